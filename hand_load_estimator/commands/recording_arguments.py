@@ -1,0 +1,11 @@
+"""Arguments shared by the commands that read recordings."""
+
+from ..recording import JOINT_STATES, TEMPERATURES
+
+
+def add_recording_arguments(parser):
+    """Add --joint-states and --temperatures."""
+    parser.add_argument('--joint-states', metavar='TOPIC', default=JOINT_STATES,
+                        help='topic of the joint states (default: %(default)s)')
+    parser.add_argument('--temperatures', metavar='TOPIC', default=TEMPERATURES,
+                        help='topic of the joint temperatures (default: %(default)s)')

@@ -1,0 +1,1 @@
+"""What a controller does with the load: limits, motions, collision thresholds; no ROS."""

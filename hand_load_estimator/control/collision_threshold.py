@@ -1,0 +1,136 @@
+"""
+Collision thresholds that follow the load (E9.1) and widen with its variance (E9.2).
+
+A collision is a torque that neither the torque model nor the load explains. The threshold of a
+joint is the sum of what they may be wrong by: the model's band and the load's band.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from .load_belief import any_rated_belief
+
+
+@dataclass(frozen=True)
+class ThresholdSettings:
+    """
+    Where a torque begins to be a collision.
+
+    margin: times the torque model's noise; sigma: standard deviations of the load's torque;
+    inertia_share: part of the accelerating torque the model may be wrong by; slow [rad/s]: below
+    it the direction of friction is not known; debounce: residuals in a row; delay [s]: how much
+    later than the motion the residual torque shows it (estimator's filter, message).
+    """
+
+    margin: float = 6.0
+    sigma: float = 3.0
+    inertia_share: float = 0.15
+    slow: float = 0.05
+    debounce: int = 3
+    delay: float = 0.06
+    relax_time: float = 0.3
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What the residual torque should be, and how far from it is a collision, (n,) [Nm] each."""
+
+    expected: np.ndarray
+    threshold: np.ndarray
+
+
+class CollisionThresholds:
+    """Computes thresholds along a motion; model is a TorqueSource."""
+
+    def __init__(self, model, settings=ThresholdSettings()):
+        self._model, self._settings = model, settings
+        self._fixed = any_rated_belief(model.robot, settings.sigma)
+
+    def at(self, q, v, a, belief, temperature):
+        """
+        Return (Thresholds, fixed (n,)) at a state of motion.
+
+        belief: the trusted estimate, or one with source `rated`; fixed: the threshold without
+        knowledge of the load. No threshold is above it: joint by joint the tighter holds.
+        """
+        regressor = self._model.load_regressor(q, v, a)
+        expected, band = self._fixed.torque(regressor)
+        base = self._model_band(q, v, a, temperature)
+        fixed = base + self._settings.sigma * band
+        if belief.source == 'estimate':
+            mean, std = belief.torque(regressor)
+            tighter = std < band
+            expected, band = np.where(tighter, mean, expected), np.where(tighter, std, band)
+        return Thresholds(expected, base + self._settings.sigma * band), fixed
+
+    def _model_band(self, q, v, a, temperature):
+        settings, still = self._settings, np.zeros_like(q)
+        torque = self._model.torque
+        inertia = np.abs(torque(q, v, a, temperature) - torque(q, v, still, temperature))
+        creep = np.full_like(q, settings.slow)
+        friction = 0.5 * np.abs(torque(q, creep, still, temperature)
+                                - torque(q, -creep, still, temperature))
+        # A joint at rest may hold any torque up to its friction, in either direction.
+        slowness = np.clip(2.0 - np.abs(v) / settings.slow, 0.0, 1.0)
+        return settings.margin * self._model.noise + settings.inertia_share * inertia \
+            + 2.0 * slowness * friction
+
+
+class CollisionDetector:
+    """
+    Compares residual torques with the thresholds of the time they belong to.
+
+    collided stays true until reset(); what: the joint indices, residual and threshold.
+    """
+
+    def __init__(self, settings=ThresholdSettings()):
+        self._settings, self._history, self._count = settings, deque(), 0
+        self._last = None
+        self.collided, self.what = False, None
+
+    def record(self, now, thresholds, fixed):
+        """
+        Take the Thresholds valid at `now` [s] and return them as they are in force.
+
+        They rise at once and fall slowly; never above `fixed` (n,).
+        """
+        threshold = thresholds.threshold
+        if self._last is not None and now >= self._last[0]:
+            fade = np.exp(-(now - self._last[0]) / self._settings.relax_time)
+            fading = threshold + (self._last[1] - threshold) * fade
+            threshold = np.maximum(threshold, np.minimum(fading, fixed))
+        elif self._last is not None:
+            self._history.clear()
+        self._last = (now, threshold)
+        in_force = Thresholds(thresholds.expected, threshold)
+        self._history.append((now, in_force))
+        while now - self._history[0][0] > 0.5:
+            self._history.popleft()
+        return in_force
+
+    def check(self, stamp, residual):
+        """
+        Judge a residual torque (n,) [Nm] of `stamp` [s]; return whether a collision is known.
+
+        The residual is a filtered torque: it belongs to a stretch of `delay` before its stamp,
+        so what is expected may be anything expected during it.
+        """
+        stretch = [entry for t, entry in self._history
+                   if -self._settings.delay <= t - stamp <= 1e-3]
+        if not stretch or not np.isfinite(residual).all():
+            return self.collided
+        expected = np.array([entry.expected for entry in stretch])
+        threshold = np.max([entry.threshold for entry in stretch], axis=0)
+        beyond = np.maximum(residual - expected.max(axis=0), expected.min(axis=0) - residual)
+        hit = beyond > threshold
+        self._count = self._count + 1 if hit.any() else 0
+        if self._count >= self._settings.debounce and not self.collided:
+            self.collided = True
+            self.what = (np.flatnonzero(hit), beyond, threshold)
+        return self.collided
+
+    def reset(self):
+        """Forget the collision."""
+        self.collided, self.what, self._count = False, None, 0

@@ -1,0 +1,114 @@
+"""Which load to count on now: the estimate while it can be trusted, else the rated load."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .load_belief import belief_of_estimate, rated_belief
+
+TRUSTED = ('ESTIMATING', 'DETERMINED')
+
+
+@dataclass(frozen=True)
+class FallbackSettings:
+    """
+    When to fall back to the rated load, and how to come back from it.
+
+    timeout [s]: age at which an estimate or status is stale; relax_time [s]: from the rated
+    load's limits to the estimate's (the other way is at once); confirm_time [s] of motion after
+    which an expected load change that the estimator has not seen did not happen.
+    """
+
+    timeout: float = 0.5
+    relax_time: float = 0.5
+    confirm_time: float = 0.5
+
+
+def usable_estimate(mean, covariance):
+    """Return why mean and covariance in message order cannot be used; empty when they can."""
+    mean, covariance = np.asarray(mean, dtype=float), np.asarray(covariance, dtype=float)
+    if mean.shape != (10,) or covariance.shape != (10, 10):
+        return 'estimate_size'
+    if not (np.isfinite(mean).all() and np.isfinite(covariance).all()):
+        return 'estimate_not_finite'
+    if np.linalg.eigvalsh(0.5 * (covariance + covariance.T))[0] < -1e-6 * np.trace(covariance):
+        return 'covariance_not_positive'
+    return ''
+
+
+class LoadPolicy:
+    """
+    Follows the estimator and decides what load motions are planned for.
+
+    belief: LoadBelief to plan with; caution in [0, 1]: 1 after a fallback, falling to 0 while
+    the estimate is trusted; reason: why the estimate is not trusted, empty when it is. The
+    estimate is kept from motion to motion while the load is the same (E8.4).
+    """
+
+    def __init__(self, robot, settings=FallbackSettings()):
+        self._settings, self._rated = settings, rated_belief(robot)
+        self._estimate, self._estimate_time = None, -np.inf
+        self._status, self._status_time, self._load_id = 'NO_DATA', -np.inf, None
+        self._expected_after, self._moved, self._now = None, 0.0, None
+        self.caution, self.reason = 1.0, 'no estimate has arrived'
+
+    @property
+    def trusted(self):
+        """Whether the estimate is used."""
+        return not self.reason
+
+    @property
+    def belief(self):
+        """The LoadBelief to plan with now."""
+        return self._estimate if self.trusted else self._rated
+
+    def estimate(self, now, mean, covariance):
+        """Take a usable estimate in message order that arrived at `now` [s]."""
+        self._estimate, self._estimate_time = belief_of_estimate(mean, covariance), now
+
+    def status(self, now, status, load_id):
+        """Take the estimator's status and its count of load changes."""
+        self._status, self._status_time, self._load_id = status, now, load_id
+        if status not in TRUSTED:
+            self._distrust(f'the estimator says {status}')
+
+    def expect_change(self):
+        """
+        Distrust what is known: the hand is about to grip or release.
+
+        Until the estimator has counted a load change, or has seen motion without one.
+        """
+        self._expected_after, self._moved = (self._load_id,), 0.0
+        self._distrust('the hand has gripped or released')
+
+    def update(self, now, moving):
+        """Judge the estimate at `now` [s]; moving: whether a motion is under way."""
+        step = 0.0 if self._now is None else max(0.0, now - self._now)
+        self._now = now
+        if moving and self._status in TRUSTED:
+            self._moved += step
+        reason = self._judge(now)
+        if reason:
+            self._distrust(reason)
+            return
+        self.reason = ''
+        relaxed = step / self._settings.relax_time if self._settings.relax_time else 1.0
+        self.caution = max(0.0, self.caution - relaxed)
+
+    def _distrust(self, reason):
+        self.reason, self.caution = reason, 1.0
+
+    def _judge(self, now):
+        if self._estimate is None:
+            return 'no estimate has arrived'
+        for what, since in (('estimate', self._estimate_time), ('status', self._status_time)):
+            if not -self._settings.timeout <= now - since <= self._settings.timeout:
+                return f'the last {what} is {now - since:.2f} s old'
+        if self._status not in TRUSTED:
+            return f'the estimator says {self._status}'
+        if self._expected_after is not None:
+            if (self._load_id,) == self._expected_after \
+                    and self._moved < self._settings.confirm_time:
+                return 'the hand has gripped or released'
+            self._expected_after = None
+        return ''

@@ -1,0 +1,64 @@
+"""What the controller takes the load to be: products with covariance, from two sources."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..load import products_from_message, products_jacobian_of_message
+
+
+@dataclass(frozen=True)
+class LoadBelief:
+    """
+    A load for torque computations, in products (the frame and order of load_regressor).
+
+    mean (10,); covariance (10, 10); source: `estimate` or `rated`.
+    """
+
+    mean: np.ndarray
+    covariance: np.ndarray
+    source: str
+
+    def torque(self, regressor):
+        """Return mean (n,) and standard deviation (n,) of the load's torque K m [Nm]."""
+        variance = np.einsum('ij,jk,ik->i', regressor, self.covariance, regressor)
+        return regressor @ self.mean, np.sqrt(np.maximum(variance, 0.0))
+
+
+def belief_of_estimate(mean, covariance):
+    """
+    Return the belief of an estimate: mean (10,) and covariance (10, 10) in message order.
+
+    The covariance goes over by the Jacobian; mass x centre of mass also gets its exact second
+    moment Var m Cov c + cov(m, c) cov(m, c)^T, which dominates when nothing is known yet.
+    """
+    mean, covariance = np.asarray(mean, dtype=float), np.asarray(covariance, dtype=float)
+    jacobian = products_jacobian_of_message(mean)
+    products = jacobian @ covariance @ jacobian.T
+    cross = covariance[0, 1:4]
+    products[1:4, 1:4] += covariance[0, 0] * covariance[1:4, 1:4] + np.outer(cross, cross)
+    return LoadBelief(products_from_message(mean), products, 'estimate')
+
+
+def rated_belief(robot):
+    """Return the conservative fixed load of E8.3: the rated load, taken as certain."""
+    return LoadBelief(robot.rated_load.to_products(), np.zeros((10, 10)), 'rated')
+
+
+def any_rated_belief(robot, sigma):
+    """
+    Return the belief that says only: some load between none and the rated one is held.
+
+    `sigma` standard deviations reach from half the rated mass to none and to all of it, and move
+    the centre of mass by the rated distance in every direction (a data sheet names the distance
+    from the flange, not the side). For thresholds, which must hold for every such load.
+    """
+    rated = robot.rated_load
+    mean = rated.to_message()
+    mean[0] *= 0.5
+    mean[4:] *= 0.5
+    reach = np.linalg.norm(rated.com)
+    spread = np.concatenate([[0.5 * rated.mass], np.full(3, reach),
+                             np.full(6, 0.5 * np.trace(rated.inertia) / 3.0)]) / sigma
+    belief = belief_of_estimate(mean, np.diag(spread ** 2))
+    return LoadBelief(belief.mean, belief.covariance, 'rated')

@@ -1,0 +1,30 @@
+"""What a hand may hold before any data: a wide prior in shape parameters (load.py)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Radii of gyration squared [m^2] of what a rated load of 10 kg looks like: 0.05 to 0.4 m across.
+GYRATION_MEAN, GYRATION_STD, GYRATION_CROSS_STD = 0.007, 0.006, 0.002
+COM_STD = 0.08
+
+
+@dataclass(frozen=True)
+class LoadPrior:
+    """Mean (10,) and standard deviations (10,) in shape order."""
+
+    mean: np.ndarray
+    std: np.ndarray
+
+
+def load_prior(robot):
+    """Return the LoadPrior of a robot: from nothing to its rated load, around its rated place."""
+    rated = robot.rated_load
+    # Loads are as wide as an arm's payload allows: lengths grow with the cube root of mass.
+    size = (rated.mass / 12.5) ** (1.0 / 3.0)
+    g = np.array([GYRATION_MEAN, 0.0, 0.0, GYRATION_MEAN, 0.0, GYRATION_MEAN]) * size ** 2
+    g_std = np.array([GYRATION_STD, GYRATION_CROSS_STD, GYRATION_CROSS_STD,
+                      GYRATION_STD, GYRATION_CROSS_STD, GYRATION_STD]) * size ** 2
+    mean = np.concatenate([[0.4 * rated.mass], rated.com, g])
+    std = np.concatenate([[0.4 * rated.mass], np.full(3, COM_STD * size), g_std])
+    return LoadPrior(mean, std)

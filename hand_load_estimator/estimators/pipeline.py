@@ -1,0 +1,113 @@
+"""From messages to LoadEstimates: the whole estimator without ROS, as node and command use it."""
+
+import numpy as np
+
+from ..joint_stream import JointStream
+from ..load import LoadEstimate
+from ..torque_model import ModelFollower
+
+# Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
+MOTION_START = 0.05
+# How long LOAD_CHANGED is said after a change [s].
+CHANGE_SHOWN = 1.0
+
+
+class Pipeline:
+    """
+    Estimate one robot's load from its joint states and temperatures.
+
+    model: TorqueModel; method: a Method; determined_std: standard deviations of mass [kg],
+    centre of mass [m] and inertia [kg m^2] below which a parameter counts as determined;
+    stale_after [s]: silence after which the estimate is stale.
+    """
+
+    def __init__(self, model, follower, method, determined_std, stale_after=0.5):
+        self.model, self.method = model, method
+        self._follower = follower
+        self._thresholds = np.repeat(determined_std, (1, 3, 6))
+        self._stale_after = stale_after
+        self._stream = JointStream(model.robot)
+        self._restarts = 0
+        self._began = False
+        self._estimate = None
+        self.residual = np.full(model.robot.n, np.nan)
+
+    @property
+    def rejected(self):
+        """Counts of rejected input by reason."""
+        return dict(self._stream.rejected)
+
+    @property
+    def samples(self):
+        """Number of joint states used."""
+        return self._stream.accepted
+
+    @property
+    def load_id(self):
+        """Number of load changes seen."""
+        return self.method.changes
+
+    @property
+    def temperature(self):
+        """Last known joint temperatures (n,) [degC]."""
+        return self._stream.temperature
+
+    def temperature_reading(self, joint, celsius):
+        """Take one joint temperature [degC]."""
+        self._stream.temperature_reading(joint, celsius)
+
+    def joint_state(self, stamp, names, position, velocity, effort):
+        """Take one message; return the new LoadEstimate when there is one, else None."""
+        sample = self._stream.joint_state(stamp, names, position, velocity, effort)
+        if sample is None:
+            return None
+        if sample.fresh:
+            self._follower.restart()
+            return None
+        prediction = self._follower.update(sample)
+        self.residual = prediction.difference
+        self._began = self._began or bool((np.abs(sample.v) > MOTION_START).any())
+        belief = self.method.update(sample, prediction)
+        self._estimate = self._labelled(sample.stamp, belief)
+        return self._estimate
+
+    def estimate(self, now):
+        """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
+        last = self._stream.last_stamp
+        if self._estimate is None or last is None:
+            return self._say(now, self.method.belief(), 'NO_DATA', 'no joint states yet')
+        if now - last > self._stale_after:
+            belief = self.method.belief()
+            return self._say(self._estimate.stamp, belief, 'STALE_INPUT',
+                             f'no usable joint state for {now - last:.2f} s')
+        return self._estimate
+
+    def reset(self):
+        """Forget the load."""
+        self.method.forget()
+        self._began, self._estimate = False, None
+
+    def tare(self):
+        """Make what is held now the new zero."""
+        self.method.tare()
+        self._estimate = None
+
+    def _labelled(self, stamp, belief):
+        determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
+        change = self.method.last_change
+        if not self._began:
+            return self._say(stamp, belief, 'WAITING_FOR_MOTION',
+                             'no joint has moved: at rest friction hides the load')
+        if self.method.mismatch:
+            return self._say(stamp, belief, 'MODEL_MISMATCH', self.method.mismatch)
+        if change is not None and stamp - change < CHANGE_SHOWN:
+            return self._say(stamp, belief, 'LOAD_CHANGED', 'recent torques belong to another load')
+        if determined[:4].all():
+            return self._say(stamp, belief, 'DETERMINED', 'mass and centre of mass are determined')
+        open_ = [name for name, done in zip(('mass', 'x', 'y', 'z'), determined) if not done]
+        return self._say(stamp, belief, 'ESTIMATING', f'not determined yet: {", ".join(open_)}')
+
+    def _say(self, stamp, belief, status, reason):
+        determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
+        return LoadEstimate(stamp, belief.mean, belief.covariance, determined, status, reason,
+                            self.load_id)

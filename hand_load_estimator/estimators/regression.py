@@ -1,0 +1,109 @@
+"""The recursive regression that `bayes` and `lstm` share: sums, posterior, load changes."""
+
+import numpy as np
+
+from ..load import products_jacobian_of_shape
+from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
+from .information import posterior_of
+from .method import Belief
+
+# Data older than this much motion [s] fade: friction drifts as joints warm.
+MEMORY = 120.0
+# Faster than this [rad/s] a joint tells something.
+MOVING = 0.02
+# A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
+LEAST_CHANGE_MASS = 1.0
+
+
+class LoadRegression:
+    """
+    Hold the information about the load, give posteriors, notice load changes.
+
+    prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
+    standard deviation of the torque constants. changes counts load changes; last_change is the
+    stamp of the newest, or None.
+    """
+
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0):
+        self._prior, self._gain_doubt = prior, gain_doubt
+        self._recent = RecentData(n, nuisances)
+        self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
+        self.changes, self.last_change = 0, None
+        self.motion_time = 0.0
+        self.posterior = self._solve()
+
+    def add(self, sample, columns, difference, weights):
+        """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
+        moving = bool((np.abs(sample.v) > MOVING).any())
+        if moving:
+            self.motion_time += sample.dt
+            self._recent.forget(np.exp(-sample.dt / MEMORY))
+        difference = difference - columns[:, :10] @ self._zero
+        if self._recent.add(columns, difference, weights, sample.dt, moving):
+            self._look_for_change(sample.stamp)
+
+    def update_posterior(self):
+        """Solve for the Posterior of all data so far and return it."""
+        self.posterior = self._solve()
+        self._start = self.posterior.shape
+        return self.posterior
+
+    def nuisance(self):
+        """Return the mean (r,) of the model's nuisances at the present posterior."""
+        return self._recent.total().nuisance_given(self.posterior.products)
+
+    @property
+    def zero(self):
+        """Products (10,) declared zero by tare."""
+        return self._zero
+
+    def forget(self):
+        """Forget the load."""
+        self._recent.clear()
+        self._start, self.motion_time = self._prior.mean, 0.0
+        self.posterior = self._solve()
+
+    def tare(self):
+        """Declare the load held now zero; its uncertainty stays in every later estimate."""
+        self.update_posterior()
+        self._zero = self._zero + self.posterior.products
+        self._tare = self.posterior.products_covariance
+        self.forget()
+
+    def belief(self):
+        """Return the Belief of the last posterior."""
+        return Belief(self.posterior.mean, self.posterior.covariance)
+
+    def _solve(self):
+        return posterior_of(self._recent.total(), self._prior, self._start, self._gain_doubt,
+                            self._tare)
+
+    def _look_for_change(self, stamp):
+        for count in WINDOWS:
+            split = self._recent.split(count)
+            if split is None:
+                continue
+            older, recent = split
+            mean, covariance = self._older_belief(older)
+            if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
+                self._recent.keep_last(count)
+                self._start = self._prior.mean
+                self.changes += 1
+                self.last_change = stamp
+                return
+
+    def _older_belief(self, older):
+        """Return the belief (d,), (d, d) about load and nuisances from older data."""
+        posterior = posterior_of(older, self._prior, self._start)
+        precision = older.matrix.copy()
+        precision[:10, :10] += np.linalg.inv(self._change_covariance())
+        precision[range(10, len(precision)), range(10, len(precision))] += 1.0
+        mean = np.concatenate([posterior.products, older.nuisance_given(posterior.products)])
+        return mean, np.linalg.inv(precision)
+
+    def _change_covariance(self):
+        """Return (10, 10): what the products may change by when the load does."""
+        shape = self._prior.mean.copy()
+        shape[0] = max(shape[0], LEAST_CHANGE_MASS)
+        jacobian = products_jacobian_of_shape(shape)
+        return jacobian @ np.diag(self._prior.std ** 2) @ jacobian.T

@@ -1,0 +1,303 @@
+"""
+Identify a torque model from recordings without load, or with a known one (eq. 11).
+
+Weighted regularised least squares around the nominal parameters:
+x = x_nom + (sum Y^T W Y + P0^-1)^-1 sum Y^T W (tau - Y x_nom), where P0 says how far nominal link
+data may be off and how large an effect may be, and W is the inverse spectral density of the
+residual, so that coloured residuals do not pass for knowledge.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
+from .errors import ConfigurationError, RecordingError
+from .presliding import STUCK_TIME
+from .torque_model import (EffectUse, Residuals, TorqueModel, effect_columns, effect_slices,
+                           motion_input, parameter_count, presliding_distances, real_torque,
+                           torque_columns)
+
+# How far a link's published mass, and its first and second moments, may be off.
+LINK_DOUBT = 0.1
+# Lengths [s] of the block means from which the residual's density is read.
+BLOCK_MEANS = (0.06, 0.2, 0.5, 1.0)
+# Below this much usable motion [s] there is nothing to identify from.
+LEAST_MOTION = 3.0
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One recording made ready: name, Motion, torque less the known load's (N, n)."""
+
+    name: str
+    motion: object
+    torque: np.ndarray
+
+
+def prepare(robot, name, motion, load):
+    """Return the Evidence of a Motion recorded with the given LoadParameters."""
+    if len(motion.stamp) == 0:
+        raise RecordingError(f'{name}: holds no usable joint states')
+    torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
+    if load.mass > 0.0:
+        products = load.to_products()
+        torque -= np.array([robot.load_regressor(q, v, a) @ products
+                            for q, v, a in zip(motion.q, motion.v, motion.a)])
+    return Evidence(name, motion, torque)
+
+
+def prior(robot, uses, links_declared):
+    """Return the nominal x (P,) and its covariance P0 (P, P, diagonal)."""
+    n = robot.n
+    mean = np.zeros(parameter_count(n, uses))
+    mean[:10 * n] = robot.nominal_links
+    std = np.zeros_like(mean)
+    if links_declared:
+        for j in range(n):
+            m, first = mean[10 * j], mean[10 * j + 1:10 * j + 4]
+            reach = np.linalg.norm(first) / max(m, 1e-9) + 0.05
+            std[10 * j] = LINK_DOUBT * m
+            std[10 * j + 1:10 * j + 4] = LINK_DOUBT * m * reach
+            std[10 * j + 4:10 * j + 10] = LINK_DOUBT * m * reach ** 2
+        # A massless link would fix its own parameters; let it be as doubtful as a small one.
+        std[:10 * n] = np.maximum(std[:10 * n], 1e-5)
+    for use, where in effect_slices(n, uses):
+        std[where] = robot.limits.torque[use.joint] * np.array(use.effect.prior_std)
+    return mean, np.diag(std ** 2)
+
+
+def declare(robot, names, temperatures_known):
+    """Return (uses, links_declared) for effect names; all joints, default shapes."""
+    names = DEFAULT_EFFECTS if names is None else names
+    unknown = [name for name in names if name not in DEFAULT_EFFECTS]
+    if unknown:
+        raise ConfigurationError('--effects', 'names unknown effects', ', '.join(unknown),
+                                 ', '.join(DEFAULT_EFFECTS))
+    chosen = [EFFECTS[name] for name in names if name in EFFECTS]
+    if robot.effort.kind == 'link_torque':
+        chosen = [e for e in chosen if e.in_link_torque]
+    if not temperatures_known:
+        chosen = [e for e in chosen if e.name not in NEEDS_TEMPERATURE]
+    uses = tuple(EffectUse(e.name, j, e.default_shape())
+                 for j in range(robot.n) for e in chosen)
+    return uses, 'link_inertia' in names
+
+
+class _System:
+    """Columns, torque and friction doubt of several recordings for one set of effects."""
+
+    def __init__(self, robot, uses, evidence):
+        distance = presliding_distances(robot.n, uses)
+        inputs = [motion_input(robot, e.motion, distance) for e in evidence]
+        self.columns = np.concatenate([torque_columns(robot, uses, x) for x, _ in inputs])
+        self.torque = np.concatenate([e.torque for e in evidence])
+        self.doubt = np.concatenate([doubt for _, doubt in inputs])
+        self.dt = np.concatenate([e.motion.dt for e in evidence])
+        self.owner = np.concatenate([np.full(len(e.torque), k) for k, e in enumerate(evidence)])
+        self.velocity = np.concatenate([x.v for x, _ in inputs])
+        self.z = np.concatenate([x.z for x, _ in inputs])
+
+    def weights(self, intensity, friction):
+        """Return (N, n): dt / density, less where the friction state is in doubt."""
+        stuck = (self.doubt * friction) ** 2 * STUCK_TIME
+        return self.dt[:, None] / (intensity + stuck)
+
+    def solve(self, mean, covariance, weights, rows=None):
+        """Return the posterior mean and covariance of x (eq. 11)."""
+        rows = slice(None) if rows is None else rows
+        y, tau, w = self.columns[rows], self.torque[rows], weights[rows]
+        n, size = tau.shape[1], y.shape[2]
+        free = np.flatnonzero(np.diag(covariance) > 0.0)
+        information = np.zeros((len(free), len(free)))
+        gradient = np.zeros(len(free))
+        for j in range(n):
+            yj = y[:, j, :]
+            weighted = yj[:, free] * w[:, j, None]
+            information += weighted.T @ yj[:, free]
+            gradient += weighted.T @ (tau[:, j] - yj @ mean)
+        # Scaling by the prior keeps masses and inertias of small links in one range.
+        scale = np.sqrt(np.diag(covariance)[free])
+        scaled = information * np.outer(scale, scale) + np.eye(len(free))
+        inverse = np.linalg.inv(scaled)
+        posterior = np.zeros((size, size))
+        posterior[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
+        x = mean.copy()
+        x[free] += scale * (inverse @ (scale * gradient))
+        return x, posterior
+
+    def residual(self, x):
+        """Return tau - Y x, (N, n)."""
+        return self.torque - self.columns @ x
+
+
+def density(residual, weights, owner, dt):
+    """
+    Return the residual's low-frequency density (n,) [Nm^2 s] from means over blocks.
+
+    A block's mean has variance density / length when the block is longer than the residual's
+    memory, less when it is shorter; the largest product over BLOCK_MEANS is the safe one.
+    """
+    period = float(np.median(dt))
+    best = np.zeros(residual.shape[1])
+    for length in BLOCK_MEANS:
+        size = max(1, round(length / period))
+        count = len(residual) // size
+        if count < 8:
+            break
+        shape = (count, size, residual.shape[1])
+        r, w = residual[:count * size].reshape(shape), weights[:count * size].reshape(shape)
+        block_owner = owner[:count * size].reshape(count, size)
+        whole = (block_owner == block_owner[:, :1]).all(axis=1)
+        total = w.sum(axis=1)
+        means = (w * r).sum(axis=1) / np.maximum(total, 1e-30)
+        good = total * whole[:, None]
+        best = np.maximum(best, (good * means ** 2).sum(axis=0)
+                          / np.maximum(good.sum(axis=0), 1e-30) * size * period)
+    return best
+
+
+def _search_shapes(robot, uses, evidence, x, intensity, friction):
+    """Return uses with each joint's shapes set to the values that fit its residual best."""
+    uses = list(uses)
+    for name, shape in _shapes_of(uses):
+        best = {}
+        for value in shape.grid:
+            trial = tuple(replace(u, shape={**u.shape, shape.name: value})
+                          if u.name == name else u for u in uses)
+            system = _System(robot, trial, evidence)
+            weights = system.weights(intensity, friction)
+            for j, cost in enumerate(_joint_costs(robot, trial, system, x, weights)):
+                if j not in best or cost < best[j][0]:
+                    best[j] = (cost, value)
+        uses = [replace(u, shape={**u.shape, shape.name: best[u.joint][1]})
+                if u.name == name else u for u in uses]
+    return tuple(uses)
+
+
+def _shapes_of(uses):
+    """Return the different (effect name, Shape) pairs, presliding first: it changes z."""
+    seen = {(u.name, s.name): (u.name, s) for u in uses for s in u.effect.shapes}
+    return sorted(seen.values(), key=lambda pair: pair[0] != 'presliding_hysteresis')
+
+
+def _joint_costs(robot, uses, system, x, weights):
+    """Return each joint's weighted squared residual with its own effects refitted."""
+    start = 10 * robot.n
+    for j in range(robot.n):
+        own = [w for u, w in effect_slices(robot.n, uses) if u.joint == j]
+        if not own:
+            yield 0.0
+            continue
+        index = np.concatenate([np.arange(w.start, w.stop) for w in own])
+        y = system.columns[:, j, :]
+        target = system.torque[:, j] - y[:, :start] @ x[:start]
+        root = np.sqrt(weights[:, j])
+        matrix = y[:, index] * root[:, None]
+        scale = np.linalg.norm(matrix, axis=0) + 1e-12
+        solution, *_ = np.linalg.lstsq(matrix / scale, target * root, rcond=1e-8)
+        yield float(np.sum((target * root - matrix / scale @ solution) ** 2))
+
+
+def _drift(system, residual, weights):
+    """
+    Return the std (n, 3) between recordings of offset, Coulomb level and viscous coefficient.
+
+    Each recording's residual is fitted by the three; the spread over recordings, less what its
+    own noise explains, is what changes from day to day. Recordings are halved, so that one alone
+    also shows how it changes with time.
+    """
+    n = residual.shape[1]
+    out = np.zeros((n, 3))
+    groups = []
+    for k in np.unique(system.owner):
+        rows = np.flatnonzero(system.owner == k)
+        groups += [half for half in np.array_split(rows, 2) if len(half) > 50]
+    for j in range(n):
+        fits, errors = [], []
+        for rows in groups:
+            moving = rows[np.abs(system.velocity[rows, j]) > 0.02]
+            if len(moving) < 50:
+                continue
+            y = np.stack([np.ones(len(moving)), system.z[moving, j],
+                          system.velocity[moving, j]], axis=1)
+            w = weights[moving, j]
+            covariance = np.linalg.inv((y * w[:, None]).T @ y + 1e-9 * np.eye(3))
+            fits.append(covariance @ ((y * w[:, None]).T @ residual[moving, j]))
+            errors.append(np.diag(covariance))
+        if fits:
+            excess = np.mean(np.square(fits), axis=0) - np.mean(errors, axis=0)
+            out[j] = np.sqrt(np.maximum(excess, 0.04 * np.mean(np.square(fits), axis=0)))
+    return out
+
+
+def held_out(system, mean, covariance, weights):
+    """
+    Return residuals (N, n) of data left out of the fit: each recording in turn.
+
+    A single recording is cut into four parts in time instead.
+    """
+    parts = system.owner
+    if len(np.unique(parts)) == 1:
+        parts = np.arange(len(parts)) * 4 // len(parts)
+    out = np.empty_like(system.torque)
+    for part in np.unique(parts):
+        rest, rows = np.flatnonzero(parts != part), np.flatnonzero(parts == part)
+        x, _ = system.solve(mean, covariance, weights, rest)
+        out[rows] = system.torque[rows] - system.columns[rows] @ x
+    return out
+
+
+def identify(robot, evidence, effects=None, progress=lambda text: None):
+    """
+    Return the TorqueModel identified from a list of Evidence.
+
+    effects: names to declare, or None for the default list. Raises ConfigurationError for
+    unknown effects and RecordingError when the recordings hold too little motion.
+    """
+    temperatures = np.concatenate([e.motion.temperature.ravel() for e in evidence])
+    known = np.isfinite(temperatures).any()
+    uses, links_declared = declare(robot, effects, known)
+    _require_motion(robot, evidence)
+    mean, covariance = prior(robot, uses, links_declared)
+    intensity = (0.01 * robot.limits.torque) ** 2 * 0.02
+    friction = 0.03 * robot.limits.torque
+    x = mean
+    for turn in range(4):
+        progress(f'identification pass {turn + 1} of 4')
+        if turn in (1, 2):
+            uses = _search_shapes(robot, uses, evidence, x, intensity, friction)
+        system = _System(robot, uses, evidence)
+        weights = system.weights(intensity, friction)
+        x, posterior = system.solve(mean, covariance, weights)
+        intensity = density(system.residual(x), weights, system.owner, system.dt)
+        friction = TorqueModel(robot, uses, links_declared, x, posterior, None).friction_level()
+    left_out = held_out(system, mean, covariance, weights)
+    intensity = density(left_out, weights, system.owner, system.dt)
+    x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
+    moving = system.doubt < 0.5
+    rmse = np.sqrt((moving * left_out ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
+    residuals = Residuals(rmse, intensity, _drift(system, left_out, weights))
+    seen = temperatures[np.isfinite(temperatures)]
+    return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
+                       tuple(e.name for e in evidence),
+                       (float(seen.min()), float(seen.max())) if known else None)
+
+
+def _require_motion(robot, evidence):
+    moving = sum(float(e.motion.dt[np.abs(e.motion.v).max(axis=1) > 0.02].sum())
+                 for e in evidence)
+    if moving < LEAST_MOTION:
+        raise RecordingError(
+            f'{", ".join(e.name for e in evidence)}: hold {moving:.1f} s of motion; at least '
+            f'{LEAST_MOTION:g} s are needed; record a motion of `hand_load excite`')
+
+
+def nominal_model(robot, noise_intensity):
+    """Return the robot file's own model: nominal links, no effects (a baseline's model)."""
+    mean, _ = prior(robot, (), False)
+    residuals = Residuals(np.sqrt(noise_intensity / 0.02), np.asarray(noise_intensity),
+                          np.zeros((robot.n, 3)))
+    return TorqueModel(robot, (), False, mean, np.zeros((len(mean), len(mean))), residuals)
+
+

@@ -1,0 +1,77 @@
+"""Messages in, MotionSamples out: the guard and the filter as nodes and files both use them."""
+
+import numpy as np
+
+from .input_guard import InputGuard
+from .motion import Motion, MotionFilter
+
+# What a joint of a robot can have [degC]; outside is a broken sensor or another unit.
+PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
+
+
+class JointStream:
+    """
+    Feed raw messages of one robot, get filtered motion.
+
+    rejected: reason -> count of everything not used.
+    """
+
+    def __init__(self, robot):
+        self._joints = robot.joints
+        self._guard = InputGuard(robot.joints, robot.limits.velocity)
+        self._filter = MotionFilter(robot.n)
+        self.accepted = 0
+
+    @property
+    def rejected(self):
+        """Counts of rejected input by reason."""
+        return self._guard.rejected
+
+    @property
+    def last_stamp(self):
+        """Stamp [s] of the newest accepted message, or None."""
+        return self._guard.last_stamp
+
+    @property
+    def temperature(self):
+        """Last known temperatures (n,) [degC], NaN where unknown."""
+        return self._filter.temperature
+
+    def joint_state(self, stamp, names, position, velocity, effort):
+        """Return a MotionSample when one is due, else None."""
+        accepted = self._guard.accept(stamp, names, position, velocity, effort)
+        if accepted is None:
+            return None
+        if self._guard.restarted:
+            self._filter.restart()
+        self.accepted += 1
+        gaps = self._filter.gaps
+        sample = self._filter.update(stamp, *accepted)
+        if self._filter.gaps > gaps:
+            self._guard.rejected['gap'] += 1
+        return sample
+
+    def temperature_reading(self, joint, celsius):
+        """Note one joint's temperature; other names are passed over, broken values counted."""
+        matches = [i for i, name in enumerate(self._joints) if joint.endswith(name)]
+        if len(matches) != 1:
+            return
+        low, high = PLAUSIBLE_TEMPERATURE
+        if not (np.isfinite(celsius) and low < celsius < high):
+            self._guard.rejected['implausible_temperature'] += 1
+            return
+        self._filter.set_temperature(matches[0], celsius)
+
+
+def motion_of(robot, recording):
+    """Return (Motion, rejected counts) of a Recording."""
+    stream, samples = JointStream(robot), []
+    for item in recording.samples:
+        if hasattr(item, 'joint'):
+            stream.temperature_reading(item.joint, item.value)
+            continue
+        sample = stream.joint_state(item.stamp, item.names, item.position, item.velocity,
+                                    item.effort)
+        if sample is not None:
+            samples.append(sample)
+    return Motion.of(samples), dict(stream.rejected)

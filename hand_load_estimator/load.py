@@ -1,0 +1,267 @@
+"""
+Load parameters: the only module that knows parameter orders and reference points.
+
+Three vectors of ten describe the same rigid load, all in the axes of the load frame:
+
+* message order (interfaces): m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz with the inertia about the
+  centre of mass, as geometry_msgs/Inertia defines it;
+* products (formulas, symbol m in eq. 10-14): m, m x, m y, m z, Ixx, Ixy, Iyy, Ixz, Iyz, Izz with
+  the inertia about the frame origin, in pinocchio's order; torque is linear in them;
+* shape: m, x, y, z, gxx, gxy, gxz, gyy, gyz, gzz with g = inertia about the centre of mass
+  divided by the mass [m^2]; priors are stated in it, because what a hand can hold has a size and
+  a place whatever it weighs.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+MESSAGE_ORDER = ('m', 'x', 'y', 'z', 'ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz')
+PRODUCT_ORDER = ('m', 'mx', 'my', 'mz', 'Ixx', 'Ixy', 'Iyy', 'Ixz', 'Iyz', 'Izz')
+UNITS = ('kg', 'm', 'm', 'm') + ('kg m^2',) * 6
+
+# row, column of the symmetric tensor for each place of the six in message order
+_MESSAGE_TENSOR = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_PRODUCT_TENSOR = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+_PRODUCT_OF_MESSAGE = [4 + _PRODUCT_TENSOR.index(ij) for ij in _MESSAGE_TENSOR]
+
+
+def _read_only(value, shape, what):
+    array = np.array(value, dtype=float)
+    if array.shape != shape:
+        raise ValueError(f'{what} has shape {array.shape}, expected {shape}')
+    array.setflags(write=False)
+    return array
+
+
+def _tensor(six):
+    tensor = np.empty((3, 3))
+    for value, (i, j) in zip(six, _MESSAGE_TENSOR):
+        tensor[i, j] = tensor[j, i] = value
+    return tensor
+
+
+def _six(tensor):
+    return np.array([tensor[i, j] for i, j in _MESSAGE_TENSOR])
+
+
+@dataclass(frozen=True)
+class LoadParameters:
+    """
+    One rigid load in the axes of the load frame.
+
+    mass [kg]; com (3,) [m]; inertia (3, 3) about the centre of mass [kg m^2].
+    """
+
+    mass: float = 0.0
+    com: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
+
+    def __post_init__(self):
+        object.__setattr__(self, 'mass', float(self.mass))
+        object.__setattr__(self, 'com', _read_only(self.com, (3,), 'com'))
+        object.__setattr__(self, 'inertia', _read_only(self.inertia, (3, 3), 'inertia'))
+
+    @staticmethod
+    def from_message(vector):
+        """Return the load of a (10,) vector in message order."""
+        vector = np.asarray(vector, dtype=float)
+        return LoadParameters(vector[0], vector[1:4], _tensor(vector[4:]))
+
+    def to_message(self):
+        """Return the (10,) vector in message order."""
+        return np.concatenate([[self.mass], self.com, _six(self.inertia)])
+
+    def to_products(self):
+        """Return the (10,) products (inertia about the frame origin, pinocchio's order)."""
+        return products_from_message(self.to_message())
+
+    def to_mujoco(self):
+        """Return mass, com (3,), fullinertia (6,) = xx, yy, zz, xy, xz, yz about the com."""
+        i = self.inertia
+        return self.mass, self.com.copy(), np.array(
+            [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
+
+    def is_physical(self):
+        """Tell whether a body with this mass distribution can exist."""
+        if not np.all(np.isfinite(self.to_message())) or self.mass < 0.0:
+            return False
+        if self.mass == 0.0:
+            return not np.any(self.inertia)
+        second_moment = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
+        return bool(np.linalg.eigvalsh(second_moment)[0] >= -1e-9)
+
+
+def products_from_message(vector):
+    """Return (..., 10) products of (..., 10) vectors in message order."""
+    vector = np.asarray(vector, dtype=float)
+    m, c = vector[..., 0], vector[..., 1:4]
+    out = np.empty_like(vector)
+    out[..., 0] = m
+    out[..., 1:4] = m[..., None] * c
+    cc = np.sum(c * c, axis=-1)
+    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
+        steiner = (cc if i == j else 0.0) - c[..., i] * c[..., j]
+        out[..., _PRODUCT_OF_MESSAGE[k]] = vector[..., 4 + k] + m * steiner
+    return out
+
+
+def message_from_products(products):
+    """
+    Return (..., 10) vectors in message order of (..., 10) products.
+
+    Where the mass is zero the centre of mass has no meaning; it comes out as zero.
+    """
+    products = np.asarray(products, dtype=float)
+    m = products[..., 0]
+    safe = np.where(np.abs(m) > 1e-12, m, 1.0)
+    c = np.where(np.abs(m)[..., None] > 1e-12, products[..., 1:4] / safe[..., None], 0.0)
+    out = np.empty_like(products)
+    out[..., 0] = m
+    out[..., 1:4] = c
+    cc = np.sum(c * c, axis=-1)
+    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
+        steiner = (cc if i == j else 0.0) - c[..., i] * c[..., j]
+        out[..., 4 + k] = products[..., _PRODUCT_OF_MESSAGE[k]] - m * steiner
+    return out
+
+
+def message_from_shape(shape):
+    """Return (..., 10) message vectors of (..., 10) shape vectors (inertia = mass x g)."""
+    shape = np.asarray(shape, dtype=float)
+    out = shape.copy()
+    out[..., 4:] = shape[..., :1] * shape[..., 4:]
+    return out
+
+
+def message_jacobian_of_shape(shape):
+    """Return d message / d shape, (..., 10, 10)."""
+    shape = np.asarray(shape, dtype=float)
+    jacobian = np.zeros(shape.shape + (10,))
+    for k in range(4):
+        jacobian[..., k, k] = 1.0
+    for k in range(4, 10):
+        jacobian[..., k, 0] = shape[..., k]
+        jacobian[..., k, k] = shape[..., 0]
+    return jacobian
+
+
+def products_from_shape(shape):
+    """Return (..., 10) products of (..., 10) shape vectors."""
+    return products_from_message(message_from_shape(shape))
+
+
+def products_jacobian_of_shape(shape):
+    """Return d products / d shape, (..., 10, 10)."""
+    shape = np.asarray(shape, dtype=float)
+    m, c, g = shape[..., 0], shape[..., 1:4], shape[..., 4:]
+    jacobian = np.zeros(shape.shape + (10,))
+    jacobian[..., 0, 0] = 1.0
+    cc = np.sum(c * c, axis=-1)
+    for i in range(3):
+        jacobian[..., 1 + i, 0] = c[..., i]
+        jacobian[..., 1 + i, 1 + i] = m
+    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
+        row = _PRODUCT_OF_MESSAGE[k]
+        jacobian[..., row, 0] = g[..., k] + (cc if i == j else 0.0) - c[..., i] * c[..., j]
+        jacobian[..., row, 4 + k] = m
+        for a in range(3):
+            steiner = (2.0 * c[..., a] if i == j else 0.0)
+            steiner = steiner - (i == a) * c[..., j] - (j == a) * c[..., i]
+            jacobian[..., row, 1 + a] = m * steiner
+    return jacobian
+
+
+def products_jacobian_of_message(vector):
+    """Return d products / d message vector, (..., 10, 10)."""
+    vector = np.asarray(vector, dtype=float)
+    m, c = vector[..., 0], vector[..., 1:4]
+    jacobian = np.zeros(vector.shape + (10,))
+    jacobian[..., 0, 0] = 1.0
+    cc = np.sum(c * c, axis=-1)
+    for i in range(3):
+        jacobian[..., 1 + i, 0] = c[..., i]
+        jacobian[..., 1 + i, 1 + i] = m
+    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
+        row = _PRODUCT_OF_MESSAGE[k]
+        jacobian[..., row, 0] = (cc if i == j else 0.0) - c[..., i] * c[..., j]
+        jacobian[..., row, 4 + k] = 1.0
+        for a in range(3):
+            steiner = (2.0 * c[..., a] if i == j else 0.0)
+            jacobian[..., row, 1 + a] = m * (steiner - (i == a) * c[..., j] - (j == a) * c[..., i])
+    return jacobian
+
+
+def pseudo_inertia(products):
+    """Return the (4, 4) pseudo-inertia of (10,) products; positive definite = physical."""
+    p = np.asarray(products, dtype=float)
+    about_origin = np.empty((3, 3))
+    for k, (i, j) in enumerate(_PRODUCT_TENSOR):
+        about_origin[i, j] = about_origin[j, i] = p[4 + k]
+    out = np.empty((4, 4))
+    out[:3, :3] = 0.5 * np.trace(about_origin) * np.eye(3) - about_origin
+    out[:3, 3] = out[3, :3] = p[1:4]
+    out[3, 3] = p[0]
+    return out
+
+
+def _products_of_pseudo_inertia(pseudo):
+    second = pseudo[:3, :3]
+    about_origin = np.trace(second) * np.eye(3) - second
+    return np.concatenate([[pseudo[3, 3]], pseudo[:3, 3],
+                           [about_origin[i, j] for i, j in _PRODUCT_TENSOR]])
+
+
+def products_transform(rotation, translation):
+    """
+    Return the (10, 10) matrix that re-expresses products in another frame.
+
+    rotation (3, 3), translation (3,): pose of the given frame in the wanted one.
+    """
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, translation
+    columns = [_products_of_pseudo_inertia(pose @ pseudo_inertia(basis) @ pose.T)
+               for basis in np.eye(10)]
+    return np.array(columns).T
+
+
+STATUSES = ('NO_DATA', 'WAITING_FOR_MOTION', 'ESTIMATING', 'DETERMINED', 'LOAD_CHANGED',
+            'MODEL_MISMATCH', 'STALE_INPUT')
+
+
+@dataclass(frozen=True)
+class LoadEstimate:
+    """
+    What is known of the load at one moment.
+
+    stamp [s]; mean (10,) and covariance (10, 10) in message order; determined (10,) bool;
+    status one of STATUSES; reason a sentence; load_id counts the load changes seen.
+    """
+
+    stamp: float
+    mean: np.ndarray
+    covariance: np.ndarray
+    determined: np.ndarray
+    status: str
+    reason: str = ''
+    load_id: int = 0
+
+    def __post_init__(self):
+        object.__setattr__(self, 'mean', _read_only(self.mean, (10,), 'mean'))
+        object.__setattr__(self, 'covariance',
+                           _read_only(self.covariance, (10, 10), 'covariance'))
+        determined = np.array(self.determined, dtype=bool)
+        determined.setflags(write=False)
+        object.__setattr__(self, 'determined', determined)
+        if self.status not in STATUSES:
+            raise ValueError(f'status {self.status!r} is not one of {STATUSES}')
+
+    @property
+    def std(self):
+        """Standard deviations (10,) in message order."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def load(self):
+        """The mean as LoadParameters."""
+        return LoadParameters.from_message(self.mean)

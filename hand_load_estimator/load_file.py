@@ -1,0 +1,57 @@
+"""Read a load file: `none`, or mass with optional com and inertia, in the load frame."""
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from .configuration import Section, read_yaml
+from .errors import ConfigurationError
+from .load import LoadParameters
+
+
+def parse_load(section):
+    """Return (load, known): known names which of mass, com, inertia were stated."""
+    known = ['mass']
+    mass = section.number('mass', 0.0, 1000.0)
+    com, six = np.zeros(3), np.zeros(6)
+    if section.has('com'):
+        com = section.vector('com', 3, -5.0, 5.0)
+        known.append('com')
+    if section.has('inertia'):
+        six = section.vector('inertia', 6)
+        known.append('inertia')
+    section.refuse_unknown()
+    load = LoadParameters.from_message(np.concatenate([[mass], com, six]))
+    if not load.is_physical():
+        section.fail('inertia', 'belongs to no real body', list(map(float, six)),
+                     'an inertia about the centre of mass whose principal moments satisfy the '
+                     'triangle inequality, all zero for a zero mass')
+    return load, tuple(known)
+
+
+def read_load_file(path):
+    """Return (load, known) of a load.yaml; raises ConfigurationError."""
+    path = Path(path)
+    if path.is_file() and path.read_text(encoding='utf-8', errors='replace').strip() == 'none':
+        return LoadParameters(), ('mass', 'com', 'inertia')
+    return parse_load(Section(read_yaml(path), path))
+
+
+def write_load_file(path, load):
+    """Write what read_load_file reads."""
+    vector = load.to_message()
+    content = {'mass': float(vector[0]), 'com': vector[1:4].tolist(),
+               'inertia': vector[4:].tolist()}
+    Path(path).write_text(yaml.safe_dump(content, sort_keys=False, default_flow_style=None),
+                          encoding='utf-8')
+
+
+def load_of_argument(text):
+    """Return (load, known) of a --load argument: `none` or a file."""
+    if text == 'none':
+        return LoadParameters(), ('mass', 'com', 'inertia')
+    if not Path(text).is_file():
+        raise ConfigurationError('--load', 'is neither `none` nor a file', text,
+                                 'none or the path of a load.yaml')
+    return read_load_file(text)

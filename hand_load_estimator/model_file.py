@@ -1,0 +1,194 @@
+"""
+Read and write torque model files: self-contained YAML a person can read and edit.
+
+Each parameter stands with mean, std and unit; correlations stand at the end. Editing a mean or a
+std changes just that; the covariance is rebuilt from standard deviations and correlations.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from .configuration import Section, read_yaml
+from .effects import EFFECTS
+from .load import PRODUCT_ORDER
+from .robot import robot_from_content
+from .torque_model import EffectUse, Residuals, TorqueModel
+
+SCHEMA = 'hand_load/torque_model/1'
+_PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
+
+
+class _Dumper(yaml.SafeDumper):
+    """Short lists on one line, long texts as blocks."""
+
+
+def _flow_list(dumper, data):
+    flat = all(isinstance(v, (int, float, str)) for v in data)
+    return dumper.represent_sequence('tag:yaml.org,2002:seq', data, flow_style=flat)
+
+
+def _block_text(dumper, text):
+    style = '|' if '\n' in text else None
+    return dumper.represent_scalar('tag:yaml.org,2002:str', text, style=style)
+
+
+def _flow_mapping(dumper, data):
+    return dumper.represent_mapping('tag:yaml.org,2002:map', data.items(),
+                                    flow_style='unit' in data)
+
+
+_Dumper.add_representer(list, _flow_list)
+_Dumper.add_representer(dict, _flow_mapping)
+_Dumper.add_representer(str, _block_text)
+
+
+def _number(value, digits=8):
+    return float(f'{value:.{digits}g}')
+
+
+def _parameter(mean, std, unit):
+    return {'mean': _number(mean), 'std': _number(std, 6), 'unit': unit}
+
+
+def model_content(model):
+    """Return the plain mapping that a model file holds."""
+    robot, std = model.robot, np.sqrt(np.diag(model.covariance))
+    links = {joint: {name: _parameter(model.mean[10 * j + k], std[10 * j + k], unit)
+                     for k, (name, unit) in enumerate(zip(PRODUCT_ORDER, _PRODUCT_UNITS))}
+             for j, joint in enumerate(robot.joints)}
+    effects = []
+    for use, where in model.slices():
+        parameters = {name: _parameter(model.mean[i], std[i], unit) for i, (name, unit) in
+                      zip(range(where.start, where.stop), use.effect.parameters)}
+        entry = {'name': use.name, 'joints': [robot.joints[use.joint]],
+                 'parameters': parameters}
+        if use.shape:
+            entry['shape'] = dict(use.shape)
+        effects.append(entry)
+    scale = np.where(std > 0.0, std, 1.0)
+    correlation = model.covariance / np.outer(scale, scale)
+    rows = [[_number(correlation[i, k], 12) for k in range(i)] for i in range(len(std))]
+    residuals = model.residuals
+    return {
+        'schema': SCHEMA,
+        'robot': robot.file.content,
+        'links_identified': model.links_declared,
+        'effects': effects,
+        'residual': {
+            'torque_noise': [_number(v, 4) for v in residuals.rmse],
+            'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
+            'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]},
+        'recordings': list(model.recordings),
+        'temperatures': list(model.temperatures) if model.temperatures else None,
+        'links': links,
+        'correlations': rows if np.any(model.covariance) else []}
+
+
+_HEADER = """\
+# Torque model of hand_load_estimator: tau = rigid body + effects, with what is known of each.
+# links: products in pinocchio's order about each joint's frame [kg, kg m, kg m^2].
+# residual: torque_noise [Nm] (held-out RMS), low_frequency_density [Nm^2 s],
+#   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings.
+# correlations: lower triangle without the diagonal, links first, then effects as listed.
+"""
+
+
+def write_model(path, model):
+    """Write a TorqueModel."""
+    text = yaml.dump(model_content(model), Dumper=_Dumper, sort_keys=False, width=10 ** 6,
+                     allow_unicode=True)
+    Path(path).write_text(_HEADER + text, encoding='utf-8')
+
+
+def read_model(path):
+    """Return the TorqueModel of a file; ConfigurationError says what is wrong with it."""
+    section = Section(read_yaml(path), path)
+    section.text('schema', (SCHEMA,))
+    robot = robot_from_content(section.get('robot', 'the robot file\'s content'),
+                               f'{path}: robot')
+    uses, values = _read_effects(section, robot)
+    mean, std = _read_links(section, robot)
+    mean, std = np.concatenate([mean, values[0]]), np.concatenate([std, values[1]])
+    residual = section.section('residual')
+    residuals = Residuals(residual.vector('torque_noise', robot.n, 0.0),
+                          residual.vector('low_frequency_density', robot.n, 1e-12),
+                          _read_drift(residual, robot.n))
+    residual.refuse_unknown()
+    temperatures = (tuple(section.vector('temperatures', 2))
+                    if section.has('temperatures') else None)
+    model = TorqueModel(robot, uses, section.flag('links_identified'), mean,
+                        _covariance(section, std), residuals,
+                        tuple(section.get('recordings', 'a list of names')), temperatures)
+    section.refuse_unknown()
+    return model
+
+
+def _read_drift(section, n):
+    rows = section.get('drift_std', f'{n} rows of 3 numbers')
+    array = np.array(rows, dtype=float) if _is_matrix(rows, n, 3) else np.empty(0)
+    if array.shape != (n, 3) or not np.isfinite(array).all() or (array < 0.0).any():
+        section.fail('drift_std', 'is not usable', rows, f'{n} rows of 3 numbers >= 0')
+    return array
+
+
+def _is_matrix(rows, count, width):
+    return isinstance(rows, list) and len(rows) == count and all(
+        isinstance(row, list) and len(row) == width
+        and all(isinstance(v, (int, float)) for v in row) for row in rows)
+
+
+def _read_links(section, robot):
+    links = section.section('links')
+    mean, std = [], []
+    for joint in robot.joints:
+        entry = links.section(joint)
+        for name in PRODUCT_ORDER:
+            value = entry.section(name)
+            mean.append(value.number('mean'))
+            std.append(value.number('std', 0.0))
+    return np.array(mean), np.array(std)
+
+
+def _read_effects(section, robot):
+    entries = section.get('effects', 'a list of effects')
+    if not isinstance(entries, list):
+        section.fail('effects', 'is not usable', entries, 'a list of effects')
+    uses, mean, std = [], [], []
+    for k, content in enumerate(entries):
+        entry = Section(content, f'effects[{k}]')
+        name = entry.text('name', tuple(EFFECTS))
+        shape = _read_shape(entry, EFFECTS[name])
+        for joint in entry.names('joints'):
+            if joint not in robot.joints:
+                entry.fail('joints', 'names a joint the robot does not have', joint,
+                           ', '.join(robot.joints))
+            uses.append(EffectUse(name, robot.joints.index(joint), shape))
+            values = entry.section('parameters')
+            for parameter, _ in EFFECTS[name].parameters:
+                value = values.section(parameter)
+                mean.append(value.number('mean'))
+                std.append(value.number('std', 0.0))
+    return tuple(uses), (np.array(mean), np.array(std))
+
+
+def _read_shape(entry, effect):
+    if not effect.shapes:
+        return {}
+    shape = entry.section('shape')
+    return {s.name: shape.number(s.name, 1e-9) for s in effect.shapes}
+
+
+def _covariance(section, std):
+    rows = section.get('correlations', 'a lower triangle')
+    correlation = np.eye(len(std))
+    if rows:
+        if not isinstance(rows, list) or [len(r) for r in rows] != list(range(len(std))):
+            section.fail('correlations', 'have the wrong size', len(rows),
+                         f'{len(std)} rows of 0, 1, ... numbers; put [] for none after '
+                         'editing the list of effects')
+        for i, row in enumerate(rows):
+            correlation[i, :i] = correlation[:i, i] = row
+    return correlation * np.outer(std, std)
+

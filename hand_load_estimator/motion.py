@@ -1,0 +1,162 @@
+"""
+Measured joint states -> theta, theta', theta'' and torque, all behind one causal filter.
+
+Differentiating measured signals and leaving the torque alone would compare quantities of
+different moments. Here position, velocity and torque pass the same three-stage low-pass
+F(s) = (w / (s + w))^3, and the acceleration is s F(s) of the velocity, read off the filter's own
+state: an exact derivative of the filtered velocity, with nothing differenced. As F commutes with
+every linear operator, F[tau] = F[K] m; K is evaluated at the filtered motion, an error of second
+order in what the arm does within 1 / w.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Bandwidth of each stage [rad/s]: three of them delay by 3 / w = 30 ms and leave a measured
+# velocity noise of 2 mrad/s at 500 Hz as about 0.03 rad/s^2 of acceleration.
+BANDWIDTH = 100.0
+# Longest spacing of the outputs [s] while the input is faster than that.
+BLOCK = 0.02
+# A longer silence restarts the filter: what happened in between is not known.
+LONGEST_GAP = 0.25
+
+
+@dataclass(frozen=True)
+class MotionSample:
+    """
+    The filtered state at one moment.
+
+    stamp [s] of the newest message used; dt [s] since the sample before; q, v, a, effort,
+    temperature (n,) each; effort in the unit of the message; temperature NaN where unknown.
+    fresh: the filter has just (re)started, and a start in motion would still show.
+    """
+
+    stamp: float
+    dt: float
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    effort: np.ndarray
+    temperature: np.ndarray
+    fresh: bool
+
+
+def _transition(dt, w=BANDWIDTH):
+    """Return (3, 3) and two (3,): exact step of the filter chain for an input linear over dt."""
+    system = np.zeros((5, 5))
+    for i in range(3):
+        system[i, i] = -w
+        system[i, i - 1 if i else 3] = w
+    # States 3 and 4 generate the ramp input: u' = slope.
+    system[3, 4] = 1.0
+    term, total = np.eye(5), np.eye(5)
+    squarings = max(0, int(np.ceil(np.log2(max(w * dt, 1e-9)))) + 3)
+    step = system * dt / 2.0 ** squarings
+    for k in range(1, 12):
+        term = term @ step / k
+        total = total + term
+    for _ in range(squarings):
+        total = total @ total
+    constant, slope = total[:3, 3], total[:3, 4] / dt
+    return total[:3, :3], constant - slope, slope
+
+
+class MotionFilter:
+    """Turn accepted joint states into MotionSamples, at most BLOCK apart at fast inputs."""
+
+    def __init__(self, n):
+        self._n = n
+        self._temperature = np.full(n, np.nan)
+        self._steps = {}
+        self.gaps = 0
+        self.restart()
+
+    def restart(self):
+        """Forget the motion (not the temperatures)."""
+        self._state = None
+        self._period = 0.0
+
+    def set_temperature(self, joint_index, celsius):
+        """Note a joint's temperature [degC]."""
+        self._temperature[joint_index] = celsius
+
+    @property
+    def temperature(self):
+        """Last known temperatures (n,) [degC]."""
+        return self._temperature.copy()
+
+    def update(self, stamp, q, v, effort):
+        """Return a MotionSample when one is due, else None. stamp must increase."""
+        signal = np.stack([q, v, effort])
+        if self._state is not None and stamp - self._stamp > LONGEST_GAP:
+            self.gaps += 1
+            self._state = None
+        if self._state is None or np.isnan(v).any() != self._without_velocity:
+            return self._start(stamp, signal)
+        dt = stamp - self._stamp
+        self._advance(dt, np.nan_to_num(signal))
+        self._stamp = stamp
+        self._period += 0.1 * (dt - self._period) if self._period else dt
+        # Close the block when one more message would overrun it.
+        if stamp - self._emitted + self._period <= BLOCK * 1.0001:
+            return None
+        return self._sample(stamp)
+
+    def _start(self, stamp, signal):
+        self._without_velocity = bool(np.isnan(signal[1]).any())
+        signal = np.nan_to_num(signal)
+        # The filter starts as if the first reading had stood for ever, which is exact at rest;
+        # `settled` tells when the start no longer shows in the acceleration.
+        self._state = np.repeat(signal[None], 3, axis=0)
+        self._input, self._stamp, self._emitted = signal, stamp, stamp
+        self._started, self._period = stamp, 0.0
+        return None
+
+    def _advance(self, dt, signal):
+        key = round(dt, 7)
+        if key not in self._steps:
+            if len(self._steps) > 4096:
+                self._steps.clear()
+            self._steps[key] = _transition(key)
+        matrix, before, now = self._steps[key]
+        shape = self._state.shape
+        state = matrix @ self._state.reshape(3, -1)
+        state += np.multiply.outer(before, self._input.ravel())
+        state += np.multiply.outer(now, signal.ravel())
+        self._state, self._input = state.reshape(shape), signal
+
+    def _sample(self, stamp):
+        first, second, third = self._state
+        w = BANDWIDTH
+        if self._without_velocity:
+            v = w * (second[0] - third[0])
+            a = w * w * (first[0] - 2.0 * second[0] + third[0])
+        else:
+            v = third[1].copy()
+            a = w * (second[1] - third[1])
+        dt, self._emitted = stamp - self._emitted, stamp
+        # Ten time constants after a start in full motion the transient is below 0.3 %.
+        fresh = stamp - self._started < 10.0 / w
+        return MotionSample(stamp, dt, third[0].copy(), v, a, third[2].copy(),
+                            self._temperature.copy(), fresh)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """MotionSamples of one recording stacked: stamp, dt (N,); the others (N, n)."""
+
+    stamp: np.ndarray
+    dt: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    effort: np.ndarray
+    temperature: np.ndarray
+
+    @staticmethod
+    def of(samples):
+        """Stack MotionSamples; those of a starting filter are left out."""
+        samples = [s for s in samples if not s.fresh]
+        return Motion(*(np.array([getattr(s, name) for s in samples]) for name in (
+            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature')))

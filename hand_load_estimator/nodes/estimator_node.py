@@ -1,0 +1,188 @@
+"""Estimator node: joint states and temperatures in, load with its covariance out."""
+
+import sys
+from collections import Counter
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import InertiaStamped
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from sensor_msgs.msg import JointState, Temperature
+from std_msgs.msg import Float64MultiArray, Header
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+from ..estimators.pipeline import build_pipeline
+from ..shared_files import find_shared
+from .diagnostics import ERROR, OK, STALE, WARN, Diagnostics
+from .estimate_messages import (covariance_message, estimate_status, inertia_message,
+                                residual_message)
+from .estimator_parameters import ESTIMATOR_PARAMETERS
+from .markers import estimate_markers
+from .parameters import NodeParameters
+from .qos import LATCHED, OUTPUT, measurement
+from .runner import run_node
+from .stamps import StampBase
+from .temperature_input import subscribe_dynamic_joint_states
+
+_STATUS_PERIOD = 0.1  # [s]
+_MISSING = (ERROR, 'no joint states have arrived')
+
+
+def build_from_parameters(values):
+    """Return the Pipeline the parameters ask for; raises ConfigurationError."""
+    robot = find_shared(values.robot, 'robots')
+    model = find_shared(values.model or robot.stem, 'models')
+    return build_pipeline(model, values.method, values.learned or None, robot)
+
+
+class EstimatorNode(Node):
+    """Thin shell around estimators.Pipeline."""
+
+    def __init__(self, make_pipeline=build_from_parameters):
+        super().__init__('estimator')
+        self._parameters = NodeParameters(self, ESTIMATOR_PARAMETERS, changed=self._set_rates)
+        values = self._parameters.values
+        self._set_rates(values)
+        self._pipeline = make_pipeline(values)
+        self._robot = self._pipeline.model.robot
+        self._joints = list(self._robot.joints)
+        self._base, self._last_stamp = StampBase(), None
+        self._published, self._published_markers, self._last_status = None, None, None
+        self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
+        self._create_outputs()
+        self._create_inputs(values)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_STATUS_PERIOD, self._publish_status, clock=steady)
+        self._create_diagnostics()
+        self.get_logger().info(f'estimating the load of {self._robot.name} with '
+                               f'{self._pipeline.method.name}')
+
+    def _set_rates(self, values):
+        # A little less than the period, so that jitter of the stamps drops none.
+        self._period = 0.999 / values.publish_rate
+        self._marker_period = 0.999 / values.marker_rate if values.marker_rate else None
+
+    def _create_outputs(self):
+        self._load = self.create_publisher(InertiaStamped, '~/load', OUTPUT)
+        self._variance = self.create_publisher(InertiaStamped, '~/load_variance', OUTPUT)
+        self._covariance = self.create_publisher(Float64MultiArray, '~/load_covariance', OUTPUT)
+        self._residual = self.create_publisher(JointState, '~/residual_torque', OUTPUT)
+        self._markers = self.create_publisher(MarkerArray, '~/markers', OUTPUT)
+        self._status = self.create_publisher(DiagnosticStatus, '~/status', LATCHED)
+
+    def _create_inputs(self, values):
+        self.create_subscription(JointState, 'joint_states', self._on_joint_state,
+                                 measurement(values.joint_states_depth))
+        self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
+                                 measurement(values.temperatures_depth))
+        subscribe_dynamic_joint_states(self, values.joint_states_depth, self._take_temperature)
+        self.create_service(Trigger, '~/reset', self._on_reset)
+        self.create_service(Trigger, '~/tare', self._on_tare)
+
+    def _create_diagnostics(self):
+        self._diagnostics = Diagnostics(self, hardware_id=self._robot.name)
+        self._diagnostics.add('input', self._report_input)
+        self._diagnostics.add('estimate', self._report_estimate)
+
+    def _on_joint_state(self, message):
+        seconds = self._base.seconds(message.header.stamp)
+        self._taken['joint_states'] += 1
+        estimate = self._pipeline.joint_state(seconds, message.name, message.position,
+                                              message.velocity, message.effort)
+        if estimate is not None:
+            self._publish_estimate(estimate)
+
+    def _on_temperature(self, message):
+        self._take_temperature(message.header.stamp, message.header.frame_id,
+                               message.temperature)
+
+    def _take_temperature(self, stamp, joint, celsius):
+        self._taken['temperatures'] += 1
+        self._pipeline.temperature_reading(self._base.seconds(stamp), joint, celsius)
+
+    def _publish_estimate(self, estimate):
+        seconds, key = estimate.stamp, (estimate.status, estimate.load_id)
+        self._last_stamp = seconds
+        if key != self._last_status:
+            self._publish_status()
+        elif self._published is not None and 0.0 <= seconds - self._published < self._period:
+            return
+        self._published = seconds
+        stamp, frame = self._base.message(seconds), self._robot.load_frame
+        self._load.publish(inertia_message(estimate.mean, stamp, frame))
+        self._variance.publish(inertia_message(estimate.std ** 2, stamp, frame))
+        self._covariance.publish(covariance_message(estimate.covariance))
+        self._residual.publish(residual_message(self._joints, self._pipeline.residual, stamp))
+        if self._marker_period is not None and (
+                self._published_markers is None
+                or not 0.0 <= seconds - self._published_markers < self._marker_period):
+            self._published_markers = seconds
+            header = Header(stamp=stamp, frame_id=frame)
+            self._markers.publish(estimate_markers(estimate, header))
+
+    def _now(self):
+        return self._base.seconds(self.get_clock().now().to_msg())
+
+    def _current(self):
+        """Return the estimate as of now and the age of the newest measurement in it [s]."""
+        # Before the first message there is no base to count from, and nothing to be late.
+        if self._last_stamp is None:
+            return self._pipeline.estimate(0.0), float('nan')
+        now = self._now()
+        return self._pipeline.estimate(now), now - self._last_stamp
+
+    def _publish_status(self):
+        estimate, age = self._current()
+        self._last_status = (estimate.status, estimate.load_id)
+        name = self.get_fully_qualified_name().lstrip('/')
+        self._status.publish(estimate_status(f'{name}: load', estimate, age,
+                                             self._pipeline.method.name))
+
+    def _report_input(self):
+        rejected = self._pipeline.rejected
+        values = {f'rejected {reason}': count for reason, count in sorted(rejected.items())}
+        for kind in ('joint_states', 'temperatures'):
+            values[f'received {kind}'] = self._taken[kind]
+            values[f'{kind} in the last second'] = self._taken[kind] - self._taken_before[kind]
+        fresh = self._taken['joint_states'] > self._taken_before['joint_states']
+        self._taken_before = Counter(self._taken)
+        if not self._taken['joint_states']:
+            return (*_MISSING, values)
+        if not fresh:
+            return STALE, 'no joint states in the last second', values
+        total = sum(rejected.values())
+        newly, self._rejected_before = total - self._rejected_before, total
+        if newly:
+            return WARN, f'{newly} inputs rejected in the last second', values
+        return OK, 'joint states arrive', values
+
+    def _report_estimate(self):
+        estimate, age = self._current()
+        status = estimate_status('', estimate, age, self._pipeline.method.name)
+        values = [(pair.key, pair.value) for pair in status.values]
+        values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
+                   ('mass std [kg]', float(estimate.std[0]))]
+        return status.level, f'{estimate.status} {estimate.reason}'.strip(), values
+
+    def _on_reset(self, _request, response):
+        self._pipeline.reset()
+        self._publish_status()
+        response.success, response.message = True, 'the load is forgotten'
+        return response
+
+    def _on_tare(self, _request, response):
+        self._pipeline.tare()
+        self._publish_status()
+        response.success, response.message = True, 'what is held now counts as zero'
+        return response
+
+
+def main(args=None):
+    """Run the node; return the exit code."""
+    return run_node(EstimatorNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,23 @@
+"""Parameter table of the estimator node."""
+
+from .parameters import Parameter
+
+METHODS = ('lstm', 'bayes')
+
+ESTIMATOR_PARAMETERS = (
+    Parameter('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
+    Parameter('model', '', 'torque model file: a path or the short name of a shipped one; empty: '
+              'the shipped model named like the robot'),
+    Parameter('method', 'lstm', 'estimator; a robot without a learned artefact uses bayes',
+              choices=METHODS),
+    Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one named like '
+              'the robot'),
+    Parameter('publish_rate', 50.0, 'highest rate of the load topics', 'Hz', low=1.0,
+              high=1000.0, read_only=False),
+    Parameter('marker_rate', 10.0, 'rate of the markers; 0: none', 'Hz', low=0.0, high=100.0,
+              read_only=False),
+    Parameter('joint_states_depth', 2000, 'joint states kept while the node is busy: at least '
+              'one second of them', 'messages', low=10, high=100000),
+    Parameter('temperatures_depth', 200, 'temperatures kept while the node is busy: at least one '
+              'second of them', 'messages', low=10, high=100000),
+)

@@ -1,0 +1,83 @@
+"""Run one node as a process: start, spin, stop cleanly."""
+
+import signal
+import sys
+
+import rclpy
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from ..errors import ConfigurationError
+
+_STOP_LATENCY = 0.1  # [s] longest time a signal waits while no message wakes the node
+
+
+def _install_signal_handlers():
+    """Return a list that becomes non-empty at the first SIGINT or SIGTERM."""
+    stop = []
+
+    def handle(number, _frame):
+        stop.append(number)
+        # A second signal ends a node that hangs.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGTERM, handle)
+    return stop
+
+
+def _start(make_node, args):
+    """Return the node; ConfigurationError when arguments, files or parameters are wrong."""
+    try:
+        # rclpy's own handlers would end communication before `stop()` can send a last message.
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        return make_node()
+    except (RuntimeError, ValueError) as error:
+        # rcl reports unreadable parameter files and bad --ros-args this way.
+        if type(error).__module__.startswith('rclpy') or 'rcl' in type(error).__name__.lower():
+            reason = ' '.join(str(error).split())
+            raise ConfigurationError('--ros-args', f'is not usable ({reason})') from None
+        raise
+
+
+def _spin(node, stop):
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    wake = node.create_timer(_STOP_LATENCY, lambda: None,
+                             clock=Clock(clock_type=ClockType.STEADY_TIME))
+    try:
+        while not stop and rclpy.ok():
+            executor.spin_once()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_timer(wake)
+        executor.remove_node(node)
+        executor.shutdown()
+
+
+def run_node(make_node, args=None):
+    """
+    Run the node `make_node()` returns until SIGINT, SIGTERM or a shutdown; return the exit code.
+
+    0: stopped cleanly; 2: wrong configuration, told in one sentence on stderr. A node with a
+    method `stop()` has it called before it is destroyed, while it can still publish.
+    """
+    stop = _install_signal_handlers()
+    node = None
+    try:
+        node = _start(make_node, args)
+        _spin(node, stop)
+        if hasattr(node, 'stop') and rclpy.ok():
+            node.stop()
+    except ConfigurationError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0

@@ -1,0 +1,50 @@
+"""What the robot reports: encoder, velocity, effort and temperature with noise and steps."""
+
+import numpy as np
+
+
+class Sensors:
+    """
+    Measure n joints as the robot file's effort kind says.
+
+    noise (n,) [Nm]: standard deviation of the effort in torque units.
+    """
+
+    def __init__(self, robot, truth, difficulty, rng):
+        self._robot, self._truth, self._difficulty, self._rng = robot, truth, difficulty, rng
+        self.noise = truth.noise
+        self._quantum = difficulty.torque_quantum * truth.noise
+        self._configured = robot.file.effort.configured_load
+        self._sigma = np.array([np.full(robot.n, difficulty.position_noise),
+                                np.full(robot.n, difficulty.velocity_noise), truth.noise])
+
+    def measure(self, position, velocity, torque, temperature):
+        """Return position, velocity, effort (n,) of true values and gear temperature (n,)."""
+        noise = self._sigma * self._rng.standard_normal(self._sigma.shape)
+        measured = _rounded(position + noise[0], self._difficulty.position_quantum)
+        effort = self._reported(torque, temperature, position) + noise[2]
+        return (measured, velocity + noise[1],
+                _rounded(effort, self._quantum) / self._truth.constants)
+
+    def _reported(self, torque, temperature, position):
+        """Return the torque (n,) the robot believes in, before noise."""
+        truth = self._truth
+        warmer = temperature - self._robot.file.reference_temperature
+        reported = torque * (truth.effort_gain + truth.effort_gain_slope * warmer)
+        reported += truth.effort_offset
+        if self._configured is not None:
+            rest = np.zeros(len(position))
+            reported -= self._robot.load_regressor(position, rest, rest) \
+                @ self._configured.to_products()
+        return reported
+
+    def temperatures(self, sensor):
+        """Return reported temperatures (n,) [degC] of the sensors' nodes."""
+        noise = self._difficulty.temperature_noise * self._rng.standard_normal(len(sensor))
+        return _rounded(sensor + noise, self._difficulty.temperature_quantum)
+
+
+def _rounded(value, quantum):
+    """Round to multiples of quantum; no quantum, no rounding."""
+    step = np.where(quantum > 0.0, quantum, 1.0)
+    return np.where(quantum > 0.0, np.round(value / step) * step, value)

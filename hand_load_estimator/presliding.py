@@ -1,0 +1,61 @@
+"""
+Presliding: what friction does before a joint has really moved.
+
+A joint that reverses does not flip its friction at once: the contacts bend first, and over a
+milliradian or two of travel friction goes from one Coulomb level to the other. Dahl's model
+(1968) of that, dz/dq = (1 - z sign(dq)) / s, has a closed form along a motion of one direction.
+The state z in [-1, 1] is a function of the path alone, except for the value it started from.
+"""
+
+import numpy as np
+
+# Movements below this [rad] are encoder noise and do not move the contacts.
+DEAD_BAND = 3e-5
+# A joint slower than this [rad/s] for longer than REST_TIME [s] is at rest: its drive may creep
+# and the contacts relax, so the friction it holds is not known any more.
+REST_SPEED = 2e-3
+REST_TIME = 0.2
+# An unknown friction state lasts about this long [s]; as a coloured error of that memory its
+# density is level^2 x time.
+STUCK_TIME = 1.0
+
+
+class PreslidingState:
+    """
+    Follow z and the doubt about it for joints (or columns) of any number.
+
+    distance (k,): travel s [rad] over which friction turns. z (k,) in [-1, 1];
+    doubt (k,) in [0, 1]: standard deviation of z.
+    """
+
+    def __init__(self, distance):
+        self._distance = np.asarray(distance, dtype=float)
+        self.restart()
+
+    def restart(self):
+        """Forget the path."""
+        k = len(self._distance)
+        self.z, self.doubt = np.zeros(k), np.ones(k)
+        self._anchor, self._resting = None, np.zeros(k)
+
+    def update(self, q, v, dt):
+        """Advance to the positions q (k,) at speeds v (k,) after dt; returns (z, doubt)."""
+        if self._anchor is None:
+            self._anchor = q.copy()
+        moved = q - self._anchor
+        counts = np.abs(moved) > DEAD_BAND
+        decay = np.where(counts, np.exp(-np.abs(moved) / self._distance), 1.0)
+        direction = np.sign(moved)
+        self.z = np.where(counts, direction + (self.z - direction) * decay, self.z)
+        self._anchor = np.where(counts, q, self._anchor)
+        self._resting = np.where(np.abs(v) < REST_SPEED, self._resting + dt, 0.0)
+        rested = self._resting > REST_TIME
+        self.doubt = np.where(rested, 1.0, self.doubt * decay)
+        return self.z, self.doubt
+
+
+def presliding_path(motion, distance):
+    """Return z and doubt, (N, n) each, along a Motion for distances (n,)."""
+    state = PreslidingState(distance)
+    pairs = [state.update(q, v, dt) for q, v, dt in zip(motion.q, motion.v, motion.dt)]
+    return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])

@@ -1,0 +1,248 @@
+"""Recordings: rosbag2 folders (MCAP or sqlite3) of joint states and joint temperatures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rosbags.rosbag2 import (CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer,
+                             WriterError)
+from rosbags.typesys import get_typestore, Stores
+
+from .errors import RecordingError
+from .load import LoadParameters
+from .load_file import read_load_file
+
+JOINT_STATES = 'joint_states'
+TEMPERATURES = 'joint_temperatures'
+_JOINT_STATE_TYPE = 'sensor_msgs/msg/JointState'
+_TEMPERATURE_TYPE = 'sensor_msgs/msg/Temperature'
+_BAG_VERSION = 9
+_STORE = get_typestore(Stores.ROS2_JAZZY)
+_Time = _STORE.types['builtin_interfaces/msg/Time']
+_Header = _STORE.types['std_msgs/msg/Header']
+
+
+@dataclass(frozen=True)
+class JointSample:
+    """
+    One JointState message as it was recorded.
+
+    stamp [s] of its header; names (k,); position [rad], velocity [rad/s] and effort (by the
+    robot file), each (k,) in a well-formed message, of any other length or empty in others.
+    """
+
+    stamp: float
+    names: tuple
+    position: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+
+
+@dataclass(frozen=True)
+class TemperatureSample:
+    """One Temperature message: stamp [s] of its header, joint name, value [degC]."""
+
+    stamp: float
+    joint: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """
+    What a recording holds.
+
+    path of its folder; samples (JointSample and TemperatureSample) in recorded order; load, the
+    LoadParameters of its load.yaml or None; load_known: which of mass, com, inertia it states.
+    """
+
+    path: Path
+    samples: list
+    load: LoadParameters | None = None
+    load_known: tuple = ()
+
+    @property
+    def joint_samples(self):
+        """The JointSamples in recorded order."""
+        return [s for s in self.samples if isinstance(s, JointSample)]
+
+    @property
+    def temperature_samples(self):
+        """The TemperatureSamples in recorded order."""
+        return [s for s in self.samples if isinstance(s, TemperatureSample)]
+
+
+def _seconds(stamp):
+    return stamp.sec + 1e-9 * stamp.nanosec
+
+
+def _sample(message):
+    stamp = _seconds(message.header.stamp)
+    if message.__msgtype__ == _JOINT_STATE_TYPE:
+        return JointSample(stamp, tuple(message.name), message.position, message.velocity,
+                           message.effort)
+    return TemperatureSample(stamp, message.header.frame_id, float(message.temperature))
+
+
+def _connections(bag, path, topic, wanted_type, required):
+    """Return the bag's connections of a topic; RecordingError when they cannot be used."""
+    found = [c for c in bag.connections if c.topic.lstrip('/') == topic.lstrip('/')]
+    if not found and required:
+        there = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in bag.connections}))
+        raise RecordingError(f'{path}: has no topic {topic!r}; topics in it: {there or "none"}; '
+                             'name the right one with --joint-states or --temperatures')
+    for connection in found:
+        if connection.msgtype != wanted_type:
+            raise RecordingError(f'{path}: topic {connection.topic!r} is a {connection.msgtype}; '
+                                 f'allowed: {wanted_type}')
+    return found
+
+
+def _samples(path, joint_states, temperatures):
+    with Reader(path) as bag:
+        wanted = _connections(bag, path, joint_states, _JOINT_STATE_TYPE, True)
+        # Temperatures are optional, unless a topic for them was asked for by name.
+        wanted += _connections(bag, path, temperatures, _TEMPERATURE_TYPE,
+                               temperatures.lstrip('/') != TEMPERATURES)
+        return [_sample(_STORE.deserialize_cdr(raw, connection.msgtype))
+                for connection, _, raw in bag.messages(wanted)]
+
+
+def _refuse_other_than_bag(path):
+    if not path.exists():
+        raise RecordingError(f'{path}: is not there; give the folder of a rosbag2 recording')
+    if not path.is_dir():
+        raise RecordingError(f'{path}: is a file; give the folder of a rosbag2 recording '
+                             '(the one with metadata.yaml in it)')
+    if not (path / 'metadata.yaml').is_file():
+        raise RecordingError(f'{path}: is not a rosbag2 recording (no metadata.yaml in it); when '
+                             'its recorder was killed, `ros2 bag reindex` writes one')
+
+
+def read_recording(path, joint_states=JOINT_STATES, temperatures=TEMPERATURES, with_load=True):
+    """
+    Return the Recording in a rosbag2 folder.
+
+    Topics match with or without a leading slash; namespaces must match exactly. with_load=False
+    leaves load.yaml unread. Contents are passed on as they are, NaN and empty arrays included.
+    Raises RecordingError when the folder cannot be read, ConfigurationError for a wrong load.yaml.
+    """
+    path = Path(path)
+    _refuse_other_than_bag(path)
+    try:
+        samples = _samples(path, joint_states, temperatures)
+    except RecordingError:
+        raise
+    # A damaged file can surface as any exception of the reader, the decompressor or the decoder.
+    except Exception as error:
+        reason = ' '.join(str(error).split()) or type(error).__name__
+        raise RecordingError(f'{path}: is damaged or incomplete ({reason}); record or copy it '
+                             'again, or try `ros2 bag reindex`') from None
+    load_file = path / 'load.yaml'
+    load, known = (read_load_file(load_file) if with_load and load_file.is_file()
+                   else (None, ()))
+    return Recording(path, samples, load, known)
+
+
+def _ros_time(stamp):
+    nanoseconds = round(stamp * 1e9)
+    return _Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
+
+
+def _doubles(values):
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _message(sample):
+    if isinstance(sample, JointSample):
+        return _STORE.types[_JOINT_STATE_TYPE](
+            header=_Header(stamp=_ros_time(sample.stamp), frame_id=''), name=list(sample.names),
+            position=_doubles(sample.position), velocity=_doubles(sample.velocity),
+            effort=_doubles(sample.effort))
+    return _STORE.types[_TEMPERATURE_TYPE](
+        header=_Header(stamp=_ros_time(sample.stamp), frame_id=sample.joint),
+        temperature=float(sample.value), variance=0.0)
+
+
+class RecordingWriter:
+    """
+    Write samples to a new rosbag2 folder (MCAP); use as a context manager.
+
+    The log time is the stamp, or just after the last message where stamps repeat or go back, so
+    that reading gives the samples in the order they were written. RecordingError when the folder
+    exists or cannot be made.
+    """
+
+    def __init__(self, path):
+        self._path = Path(path)
+        self._writer = Writer(self._unused_path(), version=_BAG_VERSION,
+                              storage_plugin=StoragePlugin.MCAP)
+        self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        self._topics, self._last = {}, -1
+
+    def _unused_path(self):
+        if self._path.exists():
+            raise RecordingError(f'{self._path}: exists already; give the name of a new folder')
+        return self._path
+
+    def __enter__(self):
+        try:
+            self._writer.open()
+        except (OSError, WriterError) as error:
+            raise RecordingError(f'{self._path}: cannot be made ({error})') from None
+        for kind, topic, msgtype in ((JointSample, JOINT_STATES, _JOINT_STATE_TYPE),
+                                     (TemperatureSample, TEMPERATURES, _TEMPERATURE_TYPE)):
+            self._topics[kind] = self._writer.add_connection(f'/{topic}', msgtype,
+                                                             typestore=_STORE)
+        return self
+
+    def __exit__(self, *exception):
+        return self._writer.__exit__(*exception)
+
+    def write(self, sample):
+        """Append a JointSample or TemperatureSample."""
+        message = _message(sample)
+        self._last = max(self._last + 1, round(sample.stamp * 1e9))
+        self._writer.write(self._topics[type(sample)], self._last,
+                           _STORE.serialize_cdr(message, message.__msgtype__))
+
+
+def find_joints(names, joints):
+    """
+    Return the indices (n,) of `joints` in `names`, or None when not all are there.
+
+    Joints are found in any order, also when all carry one prefix (tf_prefix) in `names`.
+    """
+    index = {name: i for i, name in enumerate(names)}
+    if all(joint in index for joint in joints):
+        return [index[joint] for joint in joints]
+    prefixes = {name[:-len(joints[0])] for name in names if name.endswith(joints[0])}
+    complete = [p for p in prefixes if all(p + joint in index for joint in joints)]
+    return [index[complete[0] + joint] for joint in joints] if len(complete) == 1 else None
+
+
+def _picked(values, indices, size):
+    """Return the wanted values, NaN when the array does not belong to all names."""
+    return values[indices] if len(values) == size else np.full(len(indices), np.nan)
+
+
+def arrays(recording, joints):
+    """
+    Return time (N,) [s] and position, velocity, effort (N, n) of the messages with all joints.
+
+    In recorded order, joints in the order asked for; NaN where a message has no such value.
+    """
+    known, rows = {}, []
+    for sample in recording.joint_samples:
+        if sample.names not in known:
+            known[sample.names] = find_joints(sample.names, joints)
+        indices = known[sample.names]
+        if indices is not None:
+            size = len(sample.names)
+            rows.append((sample.stamp, *(_picked(values, indices, size) for values in
+                                         (sample.position, sample.velocity, sample.effort))))
+    if not rows:
+        empty = np.empty((0, len(joints)))
+        return np.empty(0), empty, empty.copy(), empty.copy()
+    time, position, velocity, effort = zip(*rows)
+    return np.array(time), np.array(position), np.array(velocity), np.array(effort)

@@ -1,0 +1,119 @@
+"""Rigid-body mechanics of an arm described by a robot file (pinocchio)."""
+
+import re
+
+import numpy as np
+import pinocchio as pin
+
+from .errors import ConfigurationError
+from .load import products_transform
+from .robot_file import JointLimits, parse_robot, read_robot_file
+
+
+def _build_model(file):
+    """Return the pinocchio model with only the robot file's joints, in their order."""
+    # pinocchio gives continuous joints (cos, sin) coordinates; here an angle is an angle.
+    urdf = re.sub(r'type\s*=\s*"continuous"', 'type="revolute"', file.urdf)
+    where = f'{file.where}: urdf'
+    try:
+        full = pin.buildModelFromXML(urdf)
+    except (ValueError, RuntimeError) as error:
+        raise ConfigurationError(where, f'is not a usable URDF ({error})') from None
+    movable = [name for name in full.names if name != 'universe']
+    missing = [name for name in file.joints if name not in movable]
+    if missing:
+        raise ConfigurationError(f'{file.where}: joints', f'not in the URDF: {", ".join(missing)}',
+                                 allowed=', '.join(movable))
+    locked = [full.getJointId(name) for name in movable if name not in file.joints]
+    model = pin.buildReducedModel(full, locked, pin.neutral(full))
+    if model.nq != len(file.joints) or model.nv != model.nq:
+        raise ConfigurationError(where, 'has joints with more than one degree of freedom',
+                                 allowed='revolute and prismatic joints')
+    order = [name for name in model.names if name != 'universe']
+    if tuple(order) != file.joints:
+        raise ConfigurationError(f'{file.where}: joints', 'are not in the order of the chain',
+                                 list(file.joints), ', '.join(order))
+    for j in range(1, model.njoints):
+        if model.parents[j] != j - 1:
+            raise ConfigurationError(where, 'branches', allowed='a serial chain of the joints '
+                                     'named in `joints`')
+    if not model.existFrame(file.load_frame):
+        raise ConfigurationError(f'{file.where}: load_frame', 'is not in the URDF',
+                                 file.load_frame, ', '.join(f.name for f in model.frames))
+    model.gravity.linear = np.array(file.gravity)
+    return model
+
+
+def _limits(file, model):
+    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    # A continuous joint comes without limits; one turn each way is enough for any motion here.
+    free = ~np.isfinite(lower) | ~np.isfinite(upper) | (lower >= upper)
+    lower[free], upper[free] = -2.0 * np.pi, 2.0 * np.pi
+    return JointLimits(lower, upper, file.max_velocity, file.max_acceleration,
+                       file.max_torque, file.allowed_torque)
+
+
+class Robot:
+    """
+    An arm: names, limits, nominal inverse dynamics and the load regressor K.
+
+    Not thread-safe: pinocchio's work space is reused between calls.
+    """
+
+    def __init__(self, file):
+        self.file = file
+        self.name, self.joints, self.n = file.name, file.joints, len(file.joints)
+        self.effort, self.rated_load = file.effort, file.rated_load
+        self.load_frame = file.load_frame
+        self.reference_temperature = file.reference_temperature
+        self.model = _build_model(file)
+        self.limits = _limits(file, self.model)
+        self._data = self.model.createData()
+        frame = self.model.frames[self.model.getFrameId(file.load_frame)]
+        if frame.parentJoint != self.n:
+            raise ConfigurationError(f'{file.where}: load_frame', 'is not fixed to the last joint',
+                                     file.load_frame, f'a frame behind {self.joints[-1]}')
+        self._load_to_link = products_transform(frame.placement.rotation,
+                                                frame.placement.translation)
+        self.nominal_links = np.concatenate(
+            [self.model.inertias[j].toDynamicParameters() for j in range(1, self.n + 1)])
+
+    def link_regressor(self, q, v, a):
+        """Return Y (n, 10 n): torque = Y @ link products (10 n,), pinocchio's order."""
+        return pin.computeJointTorqueRegressor(self.model, self._data, q, v, a).copy()
+
+    def load_regressor(self, q, v, a):
+        """Return K (n, 10): torque of a load = K @ its products in the load frame (eq. 10)."""
+        return self.load_columns(self.link_regressor(q, v, a))
+
+    def load_columns(self, link_regressor):
+        """Return K (n, 10) from an already computed link regressor."""
+        return link_regressor[:, -10:] @ self._load_to_link
+
+    def rigid_torque(self, q, v, a, load=None):
+        """Return the torque (n,) of the nominal links and an optional LoadParameters."""
+        tau = pin.rnea(self.model, self._data, q, v, a).copy()
+        if load is not None:
+            tau += self.load_regressor(q, v, a) @ load.to_products()
+        return tau
+
+    def mass_matrix(self, q):
+        """Return the joint-space mass matrix (n, n) of the nominal links."""
+        upper = np.triu(pin.crba(self.model, self._data, q))
+        return upper + np.triu(upper, 1).T
+
+    def load_pose(self, q):
+        """Return rotation (3, 3) and position (3,) of the load frame in the base frame."""
+        pin.framesForwardKinematics(self.model, self._data, q)
+        pose = self._data.oMf[self.model.getFrameId(self.load_frame)]
+        return pose.rotation.copy(), pose.translation.copy()
+
+
+def load_robot(path):
+    """Return the Robot of a robot file; raises ConfigurationError."""
+    return Robot(read_robot_file(path))
+
+
+def robot_from_content(content, where):
+    """Return the Robot of the self-contained mapping kept in a model file."""
+    return Robot(parse_robot(content, where))

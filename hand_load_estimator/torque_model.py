@@ -1,0 +1,270 @@
+"""
+The torque model: rigid body + declared effects, all linear in one parameter vector.
+
+tau_mdl = Y(theta, theta', theta'') x, where x holds the links' products (10 n) followed by the
+effects' parameters, joint by joint. The same columns serve identification (eq. 11), prediction
+(E1.1) and the model's own uncertainty at run time.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .effects import EFFECTS, EffectInput
+from .presliding import PreslidingState, presliding_path
+from .robot import Robot
+
+# Used for joints whose model declares no presliding: friction turns within encoder resolution.
+NO_PRESLIDING = 1e-4
+
+
+@dataclass(frozen=True)
+class EffectUse:
+    """One declared effect on one joint: its name, joint index and shape values."""
+
+    name: str
+    joint: int
+    shape: dict = field(default_factory=dict)
+
+    @property
+    def effect(self):
+        """The Effect of that name."""
+        return EFFECTS[self.name]
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """
+    What the model does not explain, per joint (n,).
+
+    rmse [Nm]: of the filtered torque on held-out data. intensity [Nm^2 s]: spectral density of
+    the residual at low frequencies; over t seconds an average of it has variance intensity / t,
+    which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
+    deviation between recordings of offset, Coulomb level and viscous coefficient.
+    """
+
+    rmse: np.ndarray
+    intensity: np.ndarray
+    drift: np.ndarray
+
+
+@dataclass(frozen=True)
+class TorqueModel:
+    """
+    An identified (or nominal) torque model of one robot.
+
+    uses: EffectUse in the order of their columns; links_declared: whether the links' products
+    were identified; mean (P,), covariance (P, P) of x; residuals; recordings it came from;
+    temperatures: (low, high) [degC] seen, or None.
+    """
+
+    robot: Robot
+    uses: tuple
+    links_declared: bool
+    mean: np.ndarray
+    covariance: np.ndarray
+    residuals: Residuals
+    recordings: tuple = ()
+    temperatures: tuple | None = None
+
+    @property
+    def noise(self):
+        """RMS (n,) [Nm] of the torque the model leaves unexplained."""
+        return self.residuals.rmse
+
+    def presliding_distance(self):
+        """Return the travel (n,) [rad] over which each joint's friction turns."""
+        return presliding_distances(self.robot.n, self.uses)
+
+    def friction_level(self):
+        """Return the Coulomb level (n,) [Nm] at the reference temperature."""
+        level = np.zeros(self.robot.n)
+        for use, columns in self.slices():
+            if use.name in ('coulomb_friction', 'stribeck_friction'):
+                level[use.joint] += abs(self.mean[columns.start])
+        return level
+
+    def slices(self):
+        """Return (EffectUse, slice of x) pairs."""
+        return effect_slices(self.robot.n, self.uses)
+
+    def torque(self, q, v, a, temperature=None):
+        """
+        Return tau_mdl (n,) while sliding steadily, for planning (no path history).
+
+        temperature (n,) [degC] or None for the reference.
+        """
+        sign = np.sign(v)
+        warmth = self._warmth(temperature)
+        x = EffectInput(*(s[None] for s in (q, v, a, warmth, sign)))
+        return torque_columns(self.robot, self.uses, x)[0] @ self.mean
+
+    def load_regressor(self, q, v, a):
+        """Return K (n, 10) in the load frame (eq. 10)."""
+        return self.robot.load_regressor(q, v, a)
+
+    def _warmth(self, temperature):
+        if temperature is None:
+            return np.zeros(self.robot.n)
+        return warmth_of(self.robot, np.asarray(temperature, dtype=float))
+
+
+def warmth_of(robot, temperature):
+    """Return temperature less reference [K], 0 where it is NaN."""
+    return np.nan_to_num(temperature - robot.reference_temperature)
+
+
+def effect_slices(n, uses):
+    """Return (EffectUse, slice of x) pairs for the layout of `uses` behind n links."""
+    start, pairs = 10 * n, []
+    for use in uses:
+        stop = start + len(use.effect.parameters)
+        pairs.append((use, slice(start, stop)))
+        start = stop
+    return pairs
+
+
+def parameter_count(n, uses):
+    """Return P, the length of x."""
+    return 10 * n + sum(len(use.effect.parameters) for use in uses)
+
+
+def presliding_distances(n, uses):
+    """Return the presliding travel (n,) [rad] of the joints."""
+    distance = np.full(n, NO_PRESLIDING)
+    for use in uses:
+        if use.name == 'presliding_hysteresis':
+            distance[use.joint] = use.shape['presliding_distance']
+    return distance
+
+
+def effect_columns(x, use):
+    """Return the columns (N, k) of one effect on its joint."""
+    return use.effect.columns(x, use.joint, use.shape)
+
+
+def torque_columns(robot, uses, x):
+    """Return Y (N, n, P) for an EffectInput."""
+    count, n = x.q.shape
+    columns = np.zeros((count, n, parameter_count(n, uses)))
+    for k in range(count):
+        columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
+    for use, where in effect_slices(n, uses):
+        columns[:, use.joint, where] = effect_columns(x, use)
+    return columns
+
+
+def motion_input(robot, motion, distance):
+    """Return (EffectInput, doubt (N, n)) along a Motion."""
+    z, doubt = presliding_path(motion, distance)
+    return EffectInput(motion.q, motion.v, motion.a, warmth_of(robot, motion.temperature), z), doubt
+
+
+def real_torque(robot, q, effort):
+    """
+    Return tau_real (n,) [Nm] of efforts (n,) as reported (E1.2).
+
+    Current times torque constant; the configured load the controller has already taken off is
+    put back, as its gravity torque.
+    """
+    tau = effort * robot.effort.torque_constants
+    configured = robot.effort.configured_load
+    if configured is not None:
+        zero = np.zeros(robot.n)
+        tau = tau + robot.load_regressor(q, zero, zero) @ configured.to_products()
+    return tau
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """
+    The torque model at one MotionSample.
+
+    difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
+    the model's own unit-variance uncertainties do to the torque; doubt (n,) in [0, 1]: how far
+    the friction state is unknown; friction (n,) [Nm]: level that doubt applies to.
+    """
+
+    difference: np.ndarray
+    load_columns: np.ndarray
+    model_columns: np.ndarray
+    doubt: np.ndarray
+    friction: np.ndarray
+
+
+class ModelFollower:
+    """Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path."""
+
+    def __init__(self, model, directions=12, seed=0):
+        self.model = model
+        self._path = PreslidingState(model.presliding_distance())
+        self._friction = model.friction_level()
+        self._uncertain = uncertain_directions(model, directions, seed)
+        self._drift = model.residuals.drift
+        self._no_temperature = _temperature_drift(model)
+
+    @property
+    def uncertainties(self):
+        """Number r of model columns."""
+        return self._uncertain.shape[1] + 3 * self.model.robot.n
+
+    def restart(self):
+        """Forget the path, as after a gap in the data."""
+        self._path.restart()
+
+    def update(self, sample):
+        """Return the Prediction at a MotionSample."""
+        robot = self.model.robot
+        z, doubt = self._path.update(sample.q, sample.v, sample.dt)
+        x = EffectInput(*(s[None] for s in (
+            sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
+        columns = torque_columns(robot, self.model.uses, x)[0]
+        difference = real_torque(robot, sample.q, sample.effort) - columns @ self.model.mean
+        return Prediction(difference, robot.load_columns(columns[:, :10 * robot.n]),
+                          np.hstack([columns @ self._uncertain, self._drift_columns(sample, z)]),
+                          doubt, self._friction)
+
+    def _drift_columns(self, sample, z):
+        drift = self._drift.copy()
+        blind = np.isnan(sample.temperature)
+        drift[blind, 2] = np.hypot(drift[blind, 2], self._no_temperature[blind])
+        return np.hstack([np.diag(drift[:, 0]), np.diag(drift[:, 1] * z),
+                          np.diag(drift[:, 2] * sample.v)])
+
+
+# Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
+UNKNOWN_WARMTH = 12.0
+
+
+def _temperature_drift(model):
+    """Return the std (n,) [Nm s/rad] of viscous friction when the temperature is not known."""
+    slope = np.zeros(model.robot.n)
+    for use, columns in model.slices():
+        if use.name == 'temperature_dependent_viscous_friction':
+            slope[use.joint] = model.mean[columns.start]
+    return np.abs(slope) * UNKNOWN_WARMTH
+
+
+def uncertain_directions(model, directions, seed):
+    """
+    Return (P, r): the directions of x whose uncertainty moves the torque most, scaled to one std.
+
+    The covariance holds many directions that no torque shows (base parameters); over random
+    motions inside the limits the few that matter are the leading singular vectors.
+    """
+    if not np.any(model.covariance):
+        return np.zeros((len(model.mean), 0))
+    robot, rng = model.robot, np.random.default_rng(seed)
+    count, n = 400, robot.n
+    limits = robot.limits
+    q = rng.uniform(np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi), (count, n))
+    v = rng.uniform(-0.7, 0.7, (count, n)) * limits.velocity
+    a = rng.uniform(-0.5, 0.5, (count, n)) * limits.acceleration
+    x = EffectInput(q, v, a, rng.uniform(-10.0, 25.0, (count, n)), np.sign(v))
+    values, vectors = np.linalg.eigh(model.covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    weight = 1.0 / np.sqrt(model.residuals.intensity)
+    effect = torque_columns(robot, model.uses, x) @ root
+    rows = (effect * weight[None, :, None]).reshape(count * n, -1)
+    _, axes = np.linalg.eigh(rows.T @ rows)
+    return root @ axes[:, ::-1][:, :directions]

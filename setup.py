@@ -1,0 +1,41 @@
+"""Install with pip, or with colcon into a ROS 2 workspace."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = 'hand_load_estimator'
+SHARE = Path('share') / PACKAGE
+
+
+def tree(folder):
+    """Return data_files entries for a folder and all below it, each into the same place."""
+    folders = {}
+    for path in sorted(Path(folder).rglob('*')):
+        if path.is_file() and '__pycache__' not in path.parts:
+            folders.setdefault(path.parent, []).append(str(path))
+    return [(str(SHARE / parent), files) for parent, files in folders.items()]
+
+
+setup(
+    name=PACKAGE,
+    version='0.1.0',
+    packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
+        (str(SHARE), ['package.xml', 'LICENSE']),
+        *tree('config'),
+        *tree('launch'),
+    ],
+    python_requires='>=3.11',
+    # The message packages and rclpy belong to ROS; requirements.txt has them as wheels.
+    install_requires=['setuptools'],
+    license='Apache-2.0',
+    description="Estimate the load on a robot's hand, with variance, and use it",
+    entry_points={'console_scripts': [
+        'simulator_node = hand_load_estimator.nodes.simulator_node:main',
+        'estimator_node = hand_load_estimator.nodes.estimator_node:main',
+        'controller_node = hand_load_estimator.nodes.controller_node:main',
+        'hand_load = hand_load_estimator.cli:main',
+    ]},
+)
