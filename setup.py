@@ -28,8 +28,14 @@ setup(
         *tree('launch'),
     ],
     python_requires='>=3.11',
-    # The message packages and rclpy belong to ROS; requirements.txt has them as wheels.
-    install_requires=['setuptools'],
+    # Without versions, so that a distribution's packages count; requirements.txt has the tested
+    # ones. rclpy and the messages belong to ROS and are not asked of PyPI here.
+    install_requires=['matplotlib', 'mujoco', 'numpy', 'pin', 'PyYAML', 'rosbags', 'safetensors',
+                      'scipy', 'torch'],
+    extras_require={
+        'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'test': ['colcon-common-extensions', 'pytest'],
+    },
     license='Apache-2.0',
     description="Estimate the load on a robot's hand, with variance, and use it",
     entry_points={'console_scripts': [

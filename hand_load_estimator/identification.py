@@ -13,7 +13,7 @@ import numpy as np
 
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
-from .presliding import STUCK_TIME
+from .presliding import stuck_density
 from .torque_model import (EffectUse, Residuals, TorqueModel, effect_columns, effect_slices,
                            motion_input, parameter_count, presliding_distances, real_torque,
                            torque_columns)
@@ -100,7 +100,7 @@ class _System:
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where the friction state is in doubt."""
-        stuck = (self.doubt * friction) ** 2 * STUCK_TIME
+        stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
         return self.dt[:, None] / (intensity + stuck)
 
     def solve(self, mean, covariance, weights, rows=None):
@@ -226,8 +226,12 @@ def _drift(system, residual, weights):
             fits.append(covariance @ ((y * w[:, None]).T @ residual[moving, j]))
             errors.append(np.diag(covariance))
         if fits:
-            excess = np.mean(np.square(fits), axis=0) - np.mean(errors, axis=0)
-            out[j] = np.sqrt(np.maximum(excess, 0.04 * np.mean(np.square(fits), axis=0)))
+            # Moment estimate of a random effect around zero, each fit weighed by its precision;
+            # a quarter of the fits' own error stays as what this many fits cannot exclude.
+            precision = 1.0 / np.array(errors)
+            total = precision.sum(axis=0)
+            excess = ((np.square(fits) * precision).sum(axis=0) - len(fits)) / total
+            out[j] = np.sqrt(np.maximum(excess, 0.25 * len(fits) / total))
     return out
 
 
@@ -275,7 +279,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
-    moving = system.doubt < 0.5
+    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9)
     rmse = np.sqrt((moving * left_out ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
     residuals = Residuals(rmse, intensity, _drift(system, left_out, weights))
     seen = temperatures[np.isfinite(temperatures)]

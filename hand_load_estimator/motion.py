@@ -42,7 +42,7 @@ class MotionSample:
     fresh: bool
 
 
-def _transition(dt, w=BANDWIDTH):
+def filter_step(dt, w=BANDWIDTH):
     """Return (3, 3) and two (3,): exact step of the filter chain for an input linear over dt."""
     system = np.zeros((5, 5))
     for i in range(3):
@@ -118,7 +118,7 @@ class MotionFilter:
         if key not in self._steps:
             if len(self._steps) > 4096:
                 self._steps.clear()
-            self._steps[key] = _transition(key)
+            self._steps[key] = filter_step(key)
         matrix, before, now = self._steps[key]
         shape = self._state.shape
         state = matrix @ self._state.reshape(3, -1)

@@ -15,8 +15,12 @@ DEAD_BAND = 3e-5
 # and the contacts relax, so the friction it holds is not known any more.
 REST_SPEED = 2e-3
 REST_TIME = 0.2
-# An unknown friction state lasts about this long [s]; as a coloured error of that memory its
-# density is level^2 x time.
+# How far friction may be from the model, in Coulomb levels: with the path forgotten, on the way
+# between two levels (the curve there differs from joint to joint), and while creeping.
+UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
+CREEP_SPEED = 0.01
+# Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
+# that memory its density is 2 level^2 time.
 STUCK_TIME = 1.0
 
 
@@ -54,8 +58,20 @@ class PreslidingState:
         return self.z, self.doubt
 
 
-def presliding_path(motion, distance):
-    """Return z and doubt, (N, n) each, along a Motion for distances (n,)."""
+def presliding_path(q, v, dt, distance):
+    """Return z and doubt (N, n) along q, v (N, n) sampled dt (N,) apart."""
     state = PreslidingState(distance)
-    pairs = [state.update(q, v, dt) for q, v, dt in zip(motion.q, motion.v, motion.dt)]
+    pairs = [state.update(*row) for row in zip(q, v, dt)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
+
+
+def stuck_density(z, doubt, v, level):
+    """
+    Return the density [Nm^2 s] of what presliding does to a model that does not know it.
+
+    z, doubt, v [rad/s] of any one shape; level: Coulomb level [Nm]. While a joint slides it is
+    nothing; a joint that is held, creeps or turns around tells the less.
+    """
+    share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * (1.0 - z * z)
+             + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2)
+    return 2.0 * STUCK_TIME * share * level ** 2

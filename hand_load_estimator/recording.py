@@ -1,6 +1,7 @@
 """Recordings: rosbag2 folders (MCAP or sqlite3) of joint states and joint temperatures."""
 
 from dataclasses import dataclass
+import math
 from pathlib import Path
 
 import numpy as np
@@ -144,9 +145,15 @@ def read_recording(path, joint_states=JOINT_STATES, temperatures=TEMPERATURES, w
     return Recording(path, samples, load, known)
 
 
+def _nanoseconds(stamp):
+    # Seconds of today times 1e9 do not fit a double; the fraction alone does.
+    seconds = math.floor(stamp)
+    return seconds * 10**9 + round((stamp - seconds) * 1e9)
+
+
 def _ros_time(stamp):
-    nanoseconds = round(stamp * 1e9)
-    return _Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
+    seconds, nanoseconds = divmod(_nanoseconds(stamp), 10**9)
+    return _Time(sec=seconds, nanosec=nanoseconds)
 
 
 def _doubles(values):
@@ -202,7 +209,7 @@ class RecordingWriter:
     def write(self, sample):
         """Append a JointSample or TemperatureSample."""
         message = _message(sample)
-        self._last = max(self._last + 1, round(sample.stamp * 1e9))
+        self._last = max(self._last + 1, _nanoseconds(sample.stamp))
         self._writer.write(self._topics[type(sample)], self._last,
                            _STORE.serialize_cdr(message, message.__msgtype__))
 

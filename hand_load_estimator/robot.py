@@ -87,8 +87,8 @@ class Robot:
         return self.load_columns(self.link_regressor(q, v, a))
 
     def load_columns(self, link_regressor):
-        """Return K (n, 10) from an already computed link regressor."""
-        return link_regressor[:, -10:] @ self._load_to_link
+        """Return K (..., n, 10) from already computed link regressors (..., n, 10 n)."""
+        return link_regressor[..., -10:] @ self._load_to_link
 
     def rigid_torque(self, q, v, a, load=None):
         """Return the torque (n,) of the nominal links and an optional LoadParameters."""

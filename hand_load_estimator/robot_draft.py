@@ -199,7 +199,8 @@ effort:
 
 max_velocity: {_list(j.velocity for j in chain.joints)}    # [rad/s] URDF
 max_acceleration: {one_line}    # [rad/s^2] what the drives follow without load; not in a URDF
-max_torque: {_list(j.effort for j in chain.joints)}    # check: [Nm] drive peak at the joint; URDF effort limits
+# Check: [Nm] drive peak at the joint; the URDF's effort limits
+max_torque: {_list(j.effort for j in chain.joints)}
 allowed_torque: 0.8            # check: fraction of max_torque used in planning
 """
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .effects import EFFECTS, EffectInput
-from .presliding import PreslidingState, presliding_path
+from .presliding import PreslidingState, presliding_path, stuck_density
 from .robot import Robot
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
@@ -156,7 +156,7 @@ def torque_columns(robot, uses, x):
 
 def motion_input(robot, motion, distance):
     """Return (EffectInput, doubt (N, n)) along a Motion."""
-    z, doubt = presliding_path(motion, distance)
+    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance)
     return EffectInput(motion.q, motion.v, motion.a, warmth_of(robot, motion.temperature), z), doubt
 
 
@@ -181,15 +181,16 @@ class Prediction:
     The torque model at one MotionSample.
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
-    the model's own unit-variance uncertainties do to the torque; doubt (n,) in [0, 1]: how far
-    the friction state is unknown; friction (n,) [Nm]: level that doubt applies to.
+    the model's own unit-variance uncertainties do to the torque; z, doubt (n,): friction state
+    and how far its start is unknown; density (n,) [Nm^2 s] of the difference beside the load.
     """
 
     difference: np.ndarray
     load_columns: np.ndarray
     model_columns: np.ndarray
+    z: np.ndarray
     doubt: np.ndarray
-    friction: np.ndarray
+    density: np.ndarray
 
 
 class ModelFollower:
@@ -200,8 +201,6 @@ class ModelFollower:
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
-        self._drift = model.residuals.drift
-        self._no_temperature = _temperature_drift(model)
 
     @property
     def uncertainties(self):
@@ -218,31 +217,47 @@ class ModelFollower:
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
             sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
-        columns = torque_columns(robot, self.model.uses, x)[0]
-        difference = real_torque(robot, sample.q, sample.effort) - columns @ self.model.mean
-        return Prediction(difference, robot.load_columns(columns[:, :10 * robot.n]),
-                          np.hstack([columns @ self._uncertain, self._drift_columns(sample, z)]),
-                          doubt, self._friction)
-
-    def _drift_columns(self, sample, z):
-        drift = self._drift.copy()
-        blind = np.isnan(sample.temperature)
-        drift[blind, 2] = np.hypot(drift[blind, 2], self._no_temperature[blind])
-        return np.hstack([np.diag(drift[:, 0]), np.diag(drift[:, 1] * z),
-                          np.diag(drift[:, 2] * sample.v)])
+        columns = torque_columns(robot, self.model.uses, x)
+        difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
+        drift = drift_std(self.model, np.isfinite(sample.temperature))
+        nuisances = nuisance_columns(columns, self._uncertain, drift, x)[0]
+        density = self.model.residuals.intensity + stuck_density(
+            z, doubt, sample.v, self._friction)
+        return Prediction(difference, robot.load_columns(columns[0, :, :10 * robot.n]),
+                          nuisances, z, doubt, density)
 
 
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0
 
 
-def _temperature_drift(model):
-    """Return the std (n,) [Nm s/rad] of viscous friction when the temperature is not known."""
-    slope = np.zeros(model.robot.n)
+def drift_std(model, known):
+    """
+    Return (n, 3): standard deviations of offset, Coulomb level and viscous coefficient.
+
+    known (n,) bool: joints whose temperature is measured; the others may be cold or warm.
+    """
+    drift = model.residuals.drift.copy()
     for use, columns in model.slices():
-        if use.name == 'temperature_dependent_viscous_friction':
-            slope[use.joint] = model.mean[columns.start]
-    return np.abs(slope) * UNKNOWN_WARMTH
+        if use.name == 'temperature_dependent_viscous_friction' and not known[use.joint]:
+            slope = abs(model.mean[columns.start])
+            drift[use.joint, 2] = np.hypot(drift[use.joint, 2], slope * UNKNOWN_WARMTH)
+    return drift
+
+
+def nuisance_columns(columns, uncertain, drift, x):
+    """
+    Return (N, n, r + 3 n): torque of the model's unit-variance uncertainties.
+
+    columns Y (N, n, P); uncertain (P, r); drift (n, 3); x: the EffectInput of the columns.
+    """
+    count, n = x.q.shape
+    out = np.zeros((count, n, uncertain.shape[1] + 3 * n))
+    out[:, :, :uncertain.shape[1]] = columns @ uncertain
+    joints = np.arange(n)
+    for k, basis in enumerate((np.ones_like(x.v), x.z, x.v)):
+        out[:, joints, uncertain.shape[1] + k * n + joints] = drift[:, k] * basis
+    return out
 
 
 def uncertain_directions(model, directions, seed):

@@ -17,8 +17,9 @@ class JointFit:
 
     gain, gain_std: Nm reported per Nm of the rigid body; friction, friction_std [Nm] at the mean
     speed, positive when it brakes; r2; residual [Nm] RMS; gravity_gain, gravity_gain_std: gain of
-    the gravity part alone; gravity_rms [Nm]: how much gravity torque changes; spread: factor by
-    which correlation in time widens a standard deviation.
+    the gravity part alone (std infinite where gravity hardly changes); gravity_rms, rigid_rms
+    [Nm]: how much gravity and the whole rigid body's torque change; spread: factor by which
+    correlation in time widens a std.
     """
 
     gain: float
@@ -30,7 +31,14 @@ class JointFit:
     gravity_gain: float
     gravity_gain_std: float
     gravity_rms: float
+    rigid_rms: float
     spread: float
+
+    @property
+    def told(self):
+        """Whether the recording tells the gain: the rigid body stands out of what is unknown."""
+        return (self.gain_std < 0.15 * max(1.0, abs(self.gain))
+                and self.rigid_rms > 3.0 * self.residual)
 
     @property
     def braking(self):
@@ -57,66 +65,50 @@ def fit_joint(columns, gravity):
     rigid = columns.inertial + weight
     solution, covariance, residual, spread = regress(
         np.column_stack([rigid, columns.nuisance]), columns.effort)
+    if rigid.std() < 1e-3 * columns.effort.std():
+        covariance[0, 0] = np.inf
     speed = np.mean(np.abs(columns.nuisance[:, 1]))
     brake = np.array([0.0, np.tanh(speed / SIGN_WIDTH), speed, 0.0, 0.0])
     apart, apart_covariance, *_ = regress(
         np.column_stack([weight, columns.inertial, columns.nuisance]), columns.effort)
     return JointFit(
         gain=solution[0], gain_std=np.sqrt(covariance[0, 0]), friction=brake @ solution,
-        friction_std=np.sqrt(brake @ covariance @ brake),
+        friction_std=np.sqrt(brake[1:] @ covariance[1:, 1:] @ brake[1:]),
         r2=1.0 - residual.var() / max(columns.effort.var(), 1e-300),
         residual=residual.std(), gravity_gain=apart[0],
-        gravity_gain_std=np.sqrt(apart_covariance[0, 0]), gravity_rms=weight.std(), spread=spread)
+        gravity_gain_std=(np.sqrt(apart_covariance[0, 0])
+                          if weight.std() > 0.01 * columns.effort.std() else np.inf),
+        gravity_rms=weight.std(), rigid_rms=rigid.std(), spread=spread)
 
 
-def fit_load_gain(bare, loaded, gravity):
+def _misfit(signals, terms, gravity, joints, late):
+    """Return -2 log likelihood of the joints' fits with effort read `late` [s], and the spread."""
+    columns = joint_columns(signals, terms, late)
+    misfit, spreads = 0.0, []
+    for j in joints:
+        rigid = columns[j].inertial + columns[j].gravity @ gravity
+        _, _, residual, spread = regress(np.column_stack([rigid, columns[j].nuisance]),
+                                         columns[j].effort)
+        misfit += len(residual) * np.log(max(residual.var(), 1e-12))
+        spreads.append(spread)
+    return misfit, np.mean(spreads)
+
+
+def fit_delay(signals, terms, gravity, joints, longest=0.1):
     """
-    Return gain and std of the load's torque in the effort, all moving joints together.
+    Return delay and std [s] of the effort against the position, std infinite when it cannot tell.
 
-    bare, loaded: JointColumns of the same samples without and with the known load.
-    1: the effort shows the load as it is; 0: it has been taken off.
-    """
-    gains, weights = [], []
-    for without, carrying in zip(bare, loaded):
-        if without is None:
-            continue
-        rigid = without.inertial + without.gravity @ gravity
-        load = carrying.inertial + carrying.gravity @ gravity - rigid
-        solution, covariance, *_ = regress(
-            np.column_stack([load, rigid, without.nuisance]), without.effort)
-        if covariance[0, 0] > 0.0:
-            # The gain of the rigid body tells the unit; the load is compared in that unit.
-            gains.append(solution[0] / solution[1])
-            weights.append(solution[1]**2 / covariance[0, 0])
-    if not weights:
-        return np.nan, np.inf
-    return float(np.average(gains, weights=weights)), float(1.0 / np.sqrt(np.sum(weights)))
-
-
-def fit_delay(signals, terms, gravity, longest=0.1):
-    """
-    Return delay and std [s] of the effort against the position, NaN where it cannot be told.
-
-    The delay is where the fit of all moving joints together leaves the least unexplained.
+    The delay is where the fits of the moving joints asked for leave the least unexplained.
     """
     lags = np.linspace(-longest, longest, 21)
-    misfits, count, spread = [], 0, 1.0
-    for lag in lags:
-        total = 0.0
-        count, spreads = 0, []
-        for columns in joint_columns(signals, terms, lag):
-            if columns is not None:
-                rigid = columns.inertial + columns.gravity @ gravity
-                _, _, residual, spread = regress(np.column_stack([rigid, columns.nuisance]),
-                                                 columns.effort)
-                total += len(residual) * np.log(max(residual.var(), 1e-12))
-                spreads.append(spread)
-        misfits.append(total)
+    misfits, spreads = zip(*(_misfit(signals, terms, gravity, joints, lag) for lag in lags))
     best = int(np.argmin(misfits))
     if not 0 < best < len(lags) - 1:
         return np.nan, np.inf
     left, middle, right = misfits[best - 1:best + 2]
     step, bend = lags[1] - lags[0], left - 2.0 * middle + right
-    # -2 log likelihood of a Gaussian: its second derivative is twice the information.
-    std = np.mean(spreads) * step * np.sqrt(2.0 / bend) if bend > 0.0 else np.inf
+    if bend <= 0.0:
+        return np.nan, np.inf
+    # The second derivative of -2 log likelihood is twice the information.
+    std = spreads[best] * step * np.sqrt(2.0 / bend)
     return float(lags[best] + 0.5 * step * (left - right) / bend), float(std)

@@ -19,8 +19,3 @@ def graded(value, ok_below, doubt_below):
     """Return the verdict of a magnitude: ok, doubt or wrong."""
     return OK if value <= ok_below else DOUBT if value <= doubt_below else WRONG
 
-
-def worst(verdicts):
-    """Return the worst of some verdicts; cannot tell when there are none."""
-    order = (WRONG, DOUBT, UNKNOWN, OK)
-    return min(verdicts, key=order.index, default=UNKNOWN)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .finding import DOUBT, Finding, OK, UNKNOWN, worst, WRONG
+from .finding import DOUBT, Finding, OK, UNKNOWN, WRONG
 from .signals import low_pass
 
 # [rad/s] a joint below it counts as standing.
@@ -25,6 +25,20 @@ def check_values(recording, position, velocity, effort):
                    f'of {len(position)} messages: {text or "none"}; {short} with short arrays',
                    'such messages are rejected and counted; velocity may be missing, position '
                    'and effort may not')
+
+
+def check_updates(position, velocity, effort):
+    """Return the finding about messages that repeat the state of the one before while moving."""
+    moves = np.abs(np.diff(position, axis=0)).max(axis=1) > 0.0
+    whole = np.hstack([position, np.nan_to_num(velocity), np.nan_to_num(effort)])
+    repeats = (np.diff(whole, axis=0) == 0.0).all(axis=1)
+    # A repeat counts only between messages that move, so that a standing arm is no fault.
+    around = moves[:-2] & moves[2:] if len(moves) > 2 else np.zeros(0, dtype=bool)
+    share = np.mean(repeats[1:-1][around]) if around.any() else 0.0
+    text = f'{100.0 * share:.1f} % of the messages in motion repeat the one before'
+    return Finding('updates', OK if share < 0.02 else DOUBT, text, '' if share < 0.02 else
+                   'the publisher is faster than the robot or not in step with it; publish at '
+                   'the robot\'s own rate')
 
 
 def check_position(position, robot):
@@ -93,7 +107,6 @@ def check_velocity(signals, robot):
         names = ', '.join(robot.joints[j] for j in moves[wrong])
         return Finding('velocity', WRONG, f'{text} ({names})', 'compare sign and unit (rad/s) of '
                        'velocity and position')
-    verdict = worst([DOUBT if np.max(np.abs(slopes - 1.0)) > 0.05 else OK,
-                     DOUBT if np.max(np.abs(lags)) > 0.02 else OK])
+    verdict = DOUBT if np.max(np.abs(slopes - 1.0)) > 0.05 or np.max(np.abs(lags)) > 0.02 else OK
     return Finding('velocity', verdict, text, '' if verdict == OK else
                    'the driver filters its velocity; the position is differentiated instead')

@@ -26,12 +26,12 @@ class PlanSettings:
     """
     How cautiously moves are planned.
 
-    sigma: standard deviations of the load's torque added on the safe side; ramp [s]: rise time
-    of the acceleration; speed_scale: share of the configured velocity in (0, 1].
+    sigma: standard deviations of the load's torque added on the safe side; rise_time [s]: in
+    which the configured acceleration builds up; speed_scale: share of the configured velocity in (0, 1].
     """
 
     sigma: float = 3.0
-    ramp: float = 0.1
+    rise_time: float = 0.1
     speed_scale: float = 1.0
 
 
@@ -91,7 +91,7 @@ class MovePlanner:
         acceleration = float(np.min(self._limits.acceleration / moving))
         return PathLimits(self._settings.speed_scale * float(
             np.min(self._limits.velocity / moving)), acceleration, acceleration,
-            self._settings.ramp)
+            acceleration / self._settings.rise_time)
 
     def _fastest(self, line, belief, temperature, caution):
         def solver(load):
@@ -158,13 +158,22 @@ class _Solver:
         self._line, self._use = line, use
 
     def solve(self):
-        """Return PathLimits; None when no acceleration at any speed keeps the torques."""
+        """
+        Return the PathLimits of the shortest move; None when no acceleration keeps the torques.
+
+        Friction grows with speed: where little torque is left, a slower move may accelerate so
+        much more that it takes less time.
+        """
+        best, shortest = None, np.inf
         for share in _SPEED_SHARES:
             limits = self._at_speed(replace(self._line.top,
                                             speed=share * self._line.top.speed))
-            if limits is not None:
-                return limits
-        return None
+            move = self._line.move(limits, '')
+            if move is not None and move.duration < shortest:
+                best, shortest = limits, move.duration
+            elif best is not None:
+                break
+        return best
 
     def keeps(self, limits):
         """Tell whether the whole move with these limits keeps the torques."""

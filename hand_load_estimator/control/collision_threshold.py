@@ -19,9 +19,10 @@ class ThresholdSettings:
     Where a torque begins to be a collision.
 
     margin: times the torque model's noise; sigma: standard deviations of the load's torque;
-    inertia_share: part of the accelerating torque the model may be wrong by; slow [rad/s]: below
-    it the direction of friction is not known; debounce: residuals in a row; delay [s]: how much
-    later than the motion the residual torque shows it (estimator's filter, message).
+    inertia_share: part of the accelerating torque that model, load and timing may be wrong by;
+    slow [rad/s]: below it the direction of friction is not known; debounce: residuals in a row;
+    delay [s]: how much later than the motion the residual torque shows it (estimator's filter,
+    message); relax_time [s]: time constant of a falling threshold.
     """
 
     margin: float = 6.0
@@ -56,16 +57,24 @@ class CollisionThresholds:
         knowledge of the load. No threshold is above it: joint by joint the tighter holds.
         """
         regressor = self._model.load_regressor(q, v, a)
-        expected, band = self._fixed.torque(regressor)
+        inertia = regressor - self._model.load_regressor(q, v, np.zeros_like(q))
         base = self._model_band(q, v, a, temperature)
-        fixed = base + self._settings.sigma * band
+        expected, band = self._load_band(self._fixed, regressor, inertia)
+        fixed = base + band
         if belief.source == 'estimate':
-            mean, std = belief.torque(regressor)
-            tighter = std < band
-            expected, band = np.where(tighter, mean, expected), np.where(tighter, std, band)
-        return Thresholds(expected, base + self._settings.sigma * band), fixed
+            mean, narrow = self._load_band(belief, regressor, inertia)
+            expected = np.where(narrow < band, mean, expected)
+            band = np.minimum(narrow, band)
+        return Thresholds(expected, base + band), fixed
+
+    def _load_band(self, belief, regressor, inertia):
+        """Return the load's expected torque and what it may be wrong by, (n,) each."""
+        mean, std = belief.torque(regressor)
+        return mean, self._settings.sigma * std \
+            + self._settings.inertia_share * np.abs(inertia @ belief.mean)
 
     def _model_band(self, q, v, a, temperature):
+        """Return what the torque model may be wrong by (n,)."""
         settings, still = self._settings, np.zeros_like(q)
         torque = self._model.torque
         inertia = np.abs(torque(q, v, a, temperature) - torque(q, v, still, temperature))
@@ -87,7 +96,7 @@ class CollisionDetector:
 
     def __init__(self, settings=ThresholdSettings()):
         self._settings, self._history, self._count = settings, deque(), 0
-        self._last = None
+        self._last, self._deaf_until = None, -np.inf
         self.collided, self.what = False, None
 
     def record(self, now, thresholds, fixed):
@@ -103,6 +112,7 @@ class CollisionDetector:
             threshold = np.maximum(threshold, np.minimum(fading, fixed))
         elif self._last is not None:
             self._history.clear()
+            self._deaf_until = -np.inf
         self._last = (now, threshold)
         in_force = Thresholds(thresholds.expected, threshold)
         self._history.append((now, in_force))
@@ -119,7 +129,7 @@ class CollisionDetector:
         """
         stretch = [entry for t, entry in self._history
                    if -self._settings.delay <= t - stamp <= 1e-3]
-        if not stretch or not np.isfinite(residual).all():
+        if not stretch or stamp < self._deaf_until or not np.isfinite(residual).all():
             return self.collided
         expected = np.array([entry.expected for entry in stretch])
         threshold = np.max([entry.threshold for entry in stretch], axis=0)
@@ -132,5 +142,7 @@ class CollisionDetector:
         return self.collided
 
     def reset(self):
-        """Forget the collision."""
+        """Forget the collision, and what residual torques still tell of it."""
+        if self._last is not None:
+            self._deaf_until = self._last[0] + self._settings.delay
         self.collided, self.what, self._count = False, None, 0

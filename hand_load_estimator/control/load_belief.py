@@ -49,16 +49,14 @@ def any_rated_belief(robot, sigma):
     """
     Return the belief that says only: some load between none and the rated one is held.
 
-    `sigma` standard deviations reach from half the rated mass to none and to all of it, and move
-    the centre of mass by the rated distance in every direction (a data sheet names the distance
-    from the flange, not the side). For thresholds, which must hold for every such load.
+    `sigma` standard deviations reach from half the rated load to none and to all of it, and at
+    the same time move its centre of mass by the rated distance in any direction (a data sheet
+    names the distance from the flange, not the side). For thresholds, which must hold for every
+    such load.
     """
     rated = robot.rated_load
-    mean = rated.to_message()
-    mean[0] *= 0.5
-    mean[4:] *= 0.5
-    reach = np.linalg.norm(rated.com)
-    spread = np.concatenate([[0.5 * rated.mass], np.full(3, reach),
-                             np.full(6, 0.5 * np.trace(rated.inertia) / 3.0)]) / sigma
-    belief = belief_of_estimate(mean, np.diag(spread ** 2))
-    return LoadBelief(belief.mean, belief.covariance, 'rated')
+    half = 0.5 * rated.to_products()
+    aside = np.zeros((10, 10))
+    aside[1:4, 1:4] = (rated.mass * np.linalg.norm(rated.com)) ** 2 * np.eye(3)
+    # Twice: |a| + |b| <= sqrt(2 (a^2 + b^2)), both at their ends.
+    return LoadBelief(half, 2.0 * (np.outer(half, half) + aside) / sigma ** 2, 'rated')

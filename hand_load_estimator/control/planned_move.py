@@ -8,7 +8,7 @@ from ..trajectory import Trajectory
 from .profile import PathLimits, Profile
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MotionLimits:
     """Limits per joint, (n,) positive magnitudes: [rad/s], [rad/s^2], [rad/s^2]."""
 
@@ -17,7 +17,7 @@ class MotionLimits:
     deceleration: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlannedMove:
     """
     A move from start (n,) to goal (n,) [rad].

@@ -12,14 +12,14 @@ class PathLimits:
     """
     Limits along a path of length 1.
 
-    speed [1/s]; acceleration, deceleration [1/s^2] (positive magnitudes); ramp [s]: time in
-    which the acceleration goes from none to all, so that the drives see no torque step.
+    speed [1/s]; acceleration, deceleration [1/s^2] (positive magnitudes); jerk [1/s^3]: how
+    fast they build up, so that the drives see no torque step.
     """
 
     speed: float
     acceleration: float
     deceleration: float
-    ramp: float
+    jerk: float
 
 
 @dataclass(frozen=True)
@@ -67,18 +67,21 @@ def _advance(s, v, a, h, jerk):
             a + h * jerk)
 
 
-def _speed_change(v, a, target, limit, ramp):
+def _speed_change(v, a, target, limit, jerk):
     """
     Return pieces [(duration, acceleration at its end)] from (v, a) to (target, 0).
 
-    The acceleration goes to at most +-limit in one ramp, stays, and goes to zero in one ramp.
+    The acceleration goes to at most +-limit, stays, and goes to zero. `a` is not negative, and
+    zero where the speed falls; target is at least what fading `a` out leads to.
     """
-    gap = target - v - a * ramp / 2.0
-    peak = np.clip(gap / ramp, -limit, limit)
-    if abs(peak) <= 1e-9 * limit:
-        return [(ramp, 0.0)] if a else []
-    held = (gap - peak * ramp) / peak if abs(peak) == limit else 0.0
-    return [(ramp, peak), (held, peak), (ramp, 0.0)]
+    gap = abs(target - v)
+    peak = min(limit, np.sqrt(jerk * gap + 0.5 * a * a))
+    if peak == 0.0:
+        return []
+    ramps = (abs(peak * peak - a * a) + peak * peak) / (2.0 * jerk)
+    held = max(0.0, gap - ramps) / peak
+    peak_signed = peak if target > v else -peak
+    return [(abs(peak - a) / jerk, peak_signed), (held, peak_signed), (peak / jerk, 0.0)]
 
 
 def _distance(v, a, pieces):
@@ -92,14 +95,14 @@ def _distance(v, a, pieces):
 def _used_distance(state, peak, limits):
     """Return the path used by reaching the speed `peak` and stopping from it at once."""
     _, v, a = state
-    return _distance(v, a, _speed_change(v, a, peak, limits.acceleration, limits.ramp)) \
-        + _distance(peak, 0.0, _speed_change(peak, 0.0, 0.0, limits.deceleration, limits.ramp))
+    return _distance(v, a, _speed_change(v, a, peak, limits.acceleration, limits.jerk)) \
+        + _distance(peak, 0.0, _speed_change(peak, 0.0, 0.0, limits.deceleration, limits.jerk))
 
 
 def _peak_speed(state, limits):
     """Return the highest speed that still lets the path end at rest; None when none does."""
     s, v, a = state
-    coasting = v + a * limits.ramp / 2.0
+    coasting = v + a * a / (2.0 * limits.jerk)
     room = 1.0 - s
     if _used_distance(state, coasting, limits) > room + 1e-12:
         return None
@@ -122,11 +125,13 @@ def make_profile(limits, state=(0.0, 0.0, 0.0)):
     It does not fit when the path is too short to stop from the state's speed at the given
     deceleration.
     """
+    # A cruising state carries rounding in its acceleration.
+    state = (state[0], state[1], max(state[2], 0.0))
     peak = _peak_speed(state, limits)
     if peak is None or peak <= 0.0:
         return None
-    up = _speed_change(state[1], state[2], peak, limits.acceleration, limits.ramp)
-    down = _speed_change(peak, 0.0, 0.0, limits.deceleration, limits.ramp)
+    up = _speed_change(state[1], state[2], peak, limits.acceleration, limits.jerk)
+    down = _speed_change(peak, 0.0, 0.0, limits.deceleration, limits.jerk)
     cruise = max(0.0, 1.0 - state[0] - _used_distance(state, peak, limits)) / peak
     return _integrate(state, (up, [(cruise, 0.0)], down))
 

@@ -1,10 +1,8 @@
 """Method `bayes`: recursive Bayesian regression with physics for weights (E7.3, eq. 13-14)."""
 
-import numpy as np
-
 from .load_prior import load_prior
 from .regression import LoadRegression
-from .weighting import joined_columns, sample_weights
+from .weighting import joined_columns
 
 
 class Bayes:
@@ -14,8 +12,6 @@ class Bayes:
 
     def __init__(self, model, uncertainties):
         robot = model.robot
-        self._intensity = model.residuals.intensity
-        self._rmse = np.maximum(model.residuals.rmse, 1e-6)
         self._regression = LoadRegression(load_prior(robot), robot.n, uncertainties,
                                           robot.effort.torque_constants_std)
         self.mismatch = ""
@@ -32,8 +28,8 @@ class Bayes:
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
-        weights = sample_weights(prediction, self._intensity, sample.dt)
-        self._regression.add(sample, joined_columns(prediction), prediction.difference, weights)
+        self._regression.add(sample, joined_columns(prediction), prediction.difference,
+                             sample.dt / prediction.density)
         self._regression.update_posterior()
         return self.belief()
 

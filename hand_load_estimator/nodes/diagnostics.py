@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
-from .qos import OUTPUT
+from .qos import OUTPUT, publisher
 
 OK, WARN, ERROR, STALE = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR,
                           DiagnosticStatus.STALE)
@@ -31,7 +31,7 @@ class Diagnostics:
 
     def __init__(self, node, hardware_id=''):
         self._node, self._hardware_id, self._concerns = node, hardware_id, []
-        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', OUTPUT)
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', OUTPUT)
         # Real time: an operator must hear of a stopped simulation clock.
         self._timer = node.create_timer(1.0, self.publish,
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))

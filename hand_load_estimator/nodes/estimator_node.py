@@ -16,12 +16,13 @@ from visualization_msgs.msg import MarkerArray
 from ..estimators.pipeline import build_pipeline
 from ..shared_files import find_shared
 from .diagnostics import ERROR, OK, STALE, WARN, Diagnostics
+from .draining import subscribe_draining
 from .estimate_messages import (covariance_message, estimate_status, inertia_message,
                                 residual_message)
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .markers import estimate_markers
 from .parameters import NodeParameters
-from .qos import LATCHED, OUTPUT, measurement
+from .qos import LATCHED, OUTPUT, measurement, publisher
 from .runner import run_node
 from .stamps import StampBase
 from .temperature_input import subscribe_dynamic_joint_states
@@ -42,8 +43,8 @@ class EstimatorNode(Node):
 
     def __init__(self, make_pipeline=build_from_parameters):
         super().__init__('estimator')
-        self._parameters = NodeParameters(self, ESTIMATOR_PARAMETERS, changed=self._set_rates)
-        values = self._parameters.values
+        self._declared = NodeParameters(self, ESTIMATOR_PARAMETERS, changed=self._set_rates)
+        values = self._declared.values
         self._set_rates(values)
         self._pipeline = make_pipeline(values)
         self._robot = self._pipeline.model.robot
@@ -65,16 +66,16 @@ class EstimatorNode(Node):
         self._marker_period = 0.999 / values.marker_rate if values.marker_rate else None
 
     def _create_outputs(self):
-        self._load = self.create_publisher(InertiaStamped, '~/load', OUTPUT)
-        self._variance = self.create_publisher(InertiaStamped, '~/load_variance', OUTPUT)
-        self._covariance = self.create_publisher(Float64MultiArray, '~/load_covariance', OUTPUT)
-        self._residual = self.create_publisher(JointState, '~/residual_torque', OUTPUT)
-        self._markers = self.create_publisher(MarkerArray, '~/markers', OUTPUT)
-        self._status = self.create_publisher(DiagnosticStatus, '~/status', LATCHED)
+        self._load = publisher(self, InertiaStamped, '~/load', OUTPUT)
+        self._variance = publisher(self, InertiaStamped, '~/load_variance', OUTPUT)
+        self._covariance = publisher(self, Float64MultiArray, '~/load_covariance', OUTPUT)
+        self._residual = publisher(self, JointState, '~/residual_torque', OUTPUT)
+        self._markers = publisher(self, MarkerArray, '~/markers', OUTPUT)
+        self._status = publisher(self, DiagnosticStatus, '~/status', LATCHED)
 
     def _create_inputs(self, values):
-        self.create_subscription(JointState, 'joint_states', self._on_joint_state,
-                                 measurement(values.joint_states_depth))
+        subscribe_draining(self, JointState, 'joint_states', self._on_joint_state,
+                           measurement(values.joint_states_depth))
         self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
                                  measurement(values.temperatures_depth))
         subscribe_dynamic_joint_states(self, values.joint_states_depth, self._take_temperature)
@@ -95,12 +96,11 @@ class EstimatorNode(Node):
             self._publish_estimate(estimate)
 
     def _on_temperature(self, message):
-        self._take_temperature(message.header.stamp, message.header.frame_id,
-                               message.temperature)
+        self._take_temperature(message.header.frame_id, message.temperature)
 
-    def _take_temperature(self, stamp, joint, celsius):
+    def _take_temperature(self, joint, celsius):
         self._taken['temperatures'] += 1
-        self._pipeline.temperature_reading(self._base.seconds(stamp), joint, celsius)
+        self._pipeline.temperature_reading(joint, celsius)
 
     def _publish_estimate(self, estimate):
         seconds, key = estimate.stamp, (estimate.status, estimate.load_id)

@@ -24,7 +24,7 @@ from .diagnostics import OK, WARN, Diagnostics
 from .estimate_messages import inertia_message
 from .pace import Pace
 from .parameters import NodeParameters
-from .qos import LATCHED, OUTPUT
+from .qos import LATCHED, OUTPUT, publisher
 from .runner import run_node
 from .simulator_parameters import SIMULATOR_PARAMETERS
 from .stamps import time_message
@@ -58,8 +58,8 @@ class SimulatorNode(Node):
 
     def __init__(self):
         super().__init__('simulator')
-        self._parameters = NodeParameters(self, SIMULATOR_PARAMETERS, changed=self._change_pace)
-        values = self._parameters.values
+        self._declared = NodeParameters(self, SIMULATOR_PARAMETERS, changed=self._change_pace)
+        values = self._declared.values
         self._robot, self._plant = plant_from_parameters(values)
         self._joints = list(self._robot.joints)
         # Starting at the present time, a restarted simulator does not turn the clock back.
@@ -74,10 +74,10 @@ class SimulatorNode(Node):
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _create_interface(self):
-        self._joint_states = self.create_publisher(JointState, 'joint_states', OUTPUT)
-        self._temperatures = self.create_publisher(Temperature, 'joint_temperatures', OUTPUT)
-        self._clock_topic = self.create_publisher(ClockMessage, '/clock', OUTPUT)
-        self._true_load = self.create_publisher(InertiaStamped, '~/true_load', LATCHED)
+        self._joint_states = publisher(self, JointState, 'joint_states', OUTPUT)
+        self._temperatures = publisher(self, Temperature, 'joint_temperatures', OUTPUT)
+        self._clock_topic = publisher(self, ClockMessage, '/clock', OUTPUT)
+        self._true_load = publisher(self, InertiaStamped, '~/true_load', LATCHED)
         self.create_subscription(JointTrajectory, 'joint_trajectory_controller/joint_trajectory',
                                  self._on_trajectory, OUTPUT)
         self.create_service(SetBool, '~/attach_load', self._on_attach)
@@ -159,7 +159,7 @@ class SimulatorNode(Node):
         return list(message.joint_names), times[ahead], position, velocity, acceleration
 
     def _on_attach(self, request, response):
-        load = load_from_parameters(self._parameters.values) if request.data else None
+        load = load_from_parameters(self._declared.values) if request.data else None
         response.success = load is None or load.is_physical()
         if not response.success:
             response.message = _NO_BODY

@@ -18,7 +18,7 @@ def temperatures_of(message):
 
 def subscribe_dynamic_joint_states(node, depth, take):
     """
-    Subscribe `dynamic_joint_states` and call take(seconds or None, joint, degC).
+    Subscribe `dynamic_joint_states` and call take(joint, degC).
 
     Return the subscription, or None where control_msgs is not installed.
     """
@@ -35,7 +35,7 @@ def subscribe_dynamic_joint_states(node, depth, take):
         last[0] = now
         message = deserialize_message(data, DynamicJointState)
         for joint, celsius in temperatures_of(message):
-            take(message.header.stamp, joint, celsius)
+            take(joint, celsius)
 
     # Raw, so that only the few messages that are read cost a conversion.
     return node.create_subscription(DynamicJointState, 'dynamic_joint_states', received,

@@ -110,7 +110,7 @@ class Arm:
         self.position += step
 
     def hold_torque(self):
-        """Return the torque (n,) that holds the arm still where it is."""
+        """Return the torque (n,) that holds the arm still; `accelerate` is due afterwards."""
         speed = self.velocity.copy()
         self.velocity[:] = 0.0
         mujoco.mj_forward(self._model, self._data)

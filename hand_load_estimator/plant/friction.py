@@ -17,7 +17,7 @@ REFERENCE = 25.0  # [degC] at which the figures are stated
 ELASTIC = 0.3     # [-] of the breakaway deflection, below which the bristle does not creep
 # Travel after a reversal, in breakaway deflections, until 95 % of the sliding level is reached;
 # follows from ELASTIC and the shape of the transition (test_plant_friction holds it).
-REVERSAL = 2.37
+REVERSAL = 2.85
 
 
 @dataclass
@@ -61,14 +61,6 @@ class FrictionFigures:
                    + self.viscous_part * np.exp(-warmer / self.viscous_range))
         floor = 0.1 * (self.viscous_rest + self.viscous_part)
         return coulomb, velocity, np.maximum(viscous, floor)
-
-    def sliding(self, velocity, gear_torque, temperature):
-        """Return the static curve [Nm]; arrays (..., n) of rad/s, Nm, degC."""
-        coulomb, stribeck_velocity, viscous = self.at(temperature)
-        speed = np.abs(velocity)
-        level = (coulomb + self.load_share * np.abs(gear_torque)
-                 + self.static * np.exp(-(speed / stribeck_velocity) ** self.stribeck_exponent))
-        return level * np.sign(velocity) + self.asymmetry * (speed > 0.0) + viscous * velocity
 
 
 def draw_friction(robot, difficulty, rng):
@@ -170,3 +162,10 @@ class Friction:
         np.multiply(self._viscous, velocity, out=work)
         self.torque += work
         return self.torque
+
+
+def friction_along(figures, velocity, gear_torque, temperature, dt):
+    """Return the friction torque (N, n) of bristles led along velocity (N, n) in steps of dt."""
+    # The start is drawn, but the same for every call: differences of two calls are free of it.
+    bristles = Friction(figures, temperature, gear_torque[0], np.random.default_rng(0))
+    return np.array([bristles.step(v, tau, dt).copy() for v, tau in zip(velocity, gear_torque)])

@@ -49,7 +49,7 @@ class Plant:
         apply_effects(effects, robot, self.truth, seed)
         self._period = 1.0 / self.rate
         self._dt = self._period / np.ceil(self._period / LONGEST_STEP - 1e-9)
-        self._steps, self._samples = 0, 0
+        self._steps = 0
         self._arm = Arm(robot, self.truth.links, self.truth.rotor, self.truth.gravity)
         self._thermal = Thermal(robot, difficulty, start_temperature, ambient_temperature, start)
         self._sensors = Sensors(robot, self.truth, difficulty, noise)
@@ -97,9 +97,14 @@ class Plant:
         return self._setpoint.moving
 
     def state(self):
-        """Return true position, velocity, acceleration, reported torque (n,), without noise."""
+        """Return true position, velocity, acceleration, drive (or link) torque, (n,) each."""
         return (self._arm.position.copy(), self._arm.velocity.copy(),
                 self._arm.acceleration.copy(), self._reported_torque().copy())
+
+    def reported_effort(self):
+        """Return what the robot believes (n,) [Nm] before noise, steps and torque constants."""
+        return self._sensors.reported(self._history.delayed(), self._thermal.sensor,
+                                      self._arm.position)
 
     def friction_torque(self):
         """Return the true friction torque (n,) [Nm]."""
@@ -125,7 +130,6 @@ class Plant:
 
     def step(self):
         """Advance one sensor period."""
-        self._samples += 1
         self.step_until(self.time + self._period)
 
     def step_until(self, time):
@@ -137,7 +141,7 @@ class Plant:
     def measure(self):
         """Return position [rad], velocity [rad/s], effort (robot file's kind), (n,) each."""
         return self._sensors.measure(self._arm.position, self._arm.velocity,
-                                     self._history.delayed(), self._thermal.gear)
+                                     self._history.delayed(), self._thermal.sensor)
 
     def measure_temperatures(self):
         """Return the reported joint temperatures (n,) [degC]."""

@@ -19,14 +19,14 @@ class Sensors:
                                 np.full(robot.n, difficulty.velocity_noise), truth.noise])
 
     def measure(self, position, velocity, torque, temperature):
-        """Return position, velocity, effort (n,) of true values and gear temperature (n,)."""
+        """Return position, velocity, effort (n,) of true values and motor temperature (n,)."""
         noise = self._sigma * self._rng.standard_normal(self._sigma.shape)
         measured = _rounded(position + noise[0], self._difficulty.position_quantum)
-        effort = self._reported(torque, temperature, position) + noise[2]
+        effort = self.reported(torque, temperature, position) + noise[2]
         return (measured, velocity + noise[1],
                 _rounded(effort, self._quantum) / self._truth.constants)
 
-    def _reported(self, torque, temperature, position):
+    def reported(self, torque, temperature, position):
         """Return the torque (n,) the robot believes in, before noise."""
         truth = self._truth
         warmer = temperature - self._robot.file.reference_temperature

@@ -82,8 +82,7 @@ class Setpoint:
         self._joints = tuple(joints)
         self.state = np.zeros((3, len(self._joints)))
         self.state[0] = position
-        self._ends, self._pieces, self._piece = [], [], 0
-        self._begin = 0.0
+        self._begins, self._ends, self._pieces, self._piece = [], [], [], 0
         self._powers = np.zeros((3, 6))
         self._powers[0, 0] = self._powers[1, 1] = 1.0
         self._powers[2, 2] = 2.0

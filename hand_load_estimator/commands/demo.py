@@ -1,0 +1,73 @@
+"""`hand_load demo`: the whole loop with a live table and a picture at the end."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ..demo import Demo, DemoSettings, NodeProcesses, draw_load
+from ..demo_table import LiveTable
+from ..errors import ConfigurationError
+from ..report.demo_figure import draw_demo
+from ..robot import load_robot
+from ..shared_files import find_shared
+
+EXAMPLE = """
+hand_load demo
+hand_load demo --seed 4 --temperature 40 --out demo.png
+"""
+
+
+def add_arguments(parser):
+    """Add the arguments of demo."""
+    parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
+                        help='robot file, or the short name of a shipped one')
+    parser.add_argument('--method', default='lstm', choices=('lstm', 'bayes'),
+                        help='estimator (default: %(default)s)')
+    parser.add_argument('--seed', type=int, default=1, metavar='N',
+                        help='draws the load (default: %(default)s)')
+    parser.add_argument('--temperature', type=float, default=25.0, metavar='C',
+                        help='of the joints at the start [degC] (default: %(default)s)')
+    parser.add_argument('--out', default='out/demo.png', metavar='PNG',
+                        help='the picture (default: %(default)s)')
+
+
+def _summary(carried):
+    """Return lines: the estimate while carrying beside the truth."""
+    mean, variance, truth, status = carried
+    std = np.sqrt(np.maximum(variance, 0.0))
+    rows = [('mass [kg]', 0, 1.0)] + [(f'centre {a} [mm]', k, 1e3) for k, a in enumerate('xyz', 1)]
+    lines = [f'before the load was put down ({status[0]}, {status[1].get("method", "")}):',
+             f'{"":<14}{"estimate":>10}{"2 sigma":>10}{"truth":>10}{"error":>10}']
+    for name, k, scale in rows:
+        lines.append(f'{name:<14}{scale * mean[k]:>10.3f}{2.0 * scale * std[k]:>10.3f}'
+                     f'{scale * truth[k]:>10.3f}{scale * (mean[k] - truth[k]):>10.3f}')
+    return lines
+
+
+def run(args):
+    """Run the demo; return 0 when the cycle came to its end."""
+    # Nothing leaves this machine unless the user has said otherwise.
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    try:
+        from ..nodes.demo_observer import DemoObserver
+    except ImportError as error:
+        raise ConfigurationError('demo', f'needs ROS 2 ({error})',
+                                 todo='use scripts/demo, or source a ROS 2 Jazzy') from None
+    robot = load_robot(find_shared(args.robot, 'robots'))
+    load = draw_load(args.seed, robot.rated_load)
+    picture = Path(args.out)
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    logs = Path(tempfile.mkdtemp(prefix='hand_load_demo_'))
+    settings = DemoSettings(args.robot, args.method, args.temperature, logs)
+    print(f'simulator, estimator and controller start; their logs are in {logs}', flush=True)
+    with DemoObserver() as observer, NodeProcesses(settings, load) as processes:
+        demo = Demo(observer, processes, LiveTable())
+        demo.run()
+    print('\n'.join(_summary(demo.carried)))
+    draw_demo(picture, observer.series, observer.joints,
+              f'{robot.name}, {args.method}, load {args.seed}')
+    print(f'picture: {picture}')
+    return 0

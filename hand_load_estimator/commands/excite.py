@@ -1,0 +1,147 @@
+"""`hand_load excite`: a motion that identifies the arm, inside all its limits."""
+
+from pathlib import Path
+import sys
+import time
+
+import numpy as np
+
+from ..errors import ConfigurationError
+from ..excitation import make_box, Search
+from ..excitation_information import INDEPENDENT_RATE
+from ..excitation_limits import check_centre, choose_centre, torque_use
+from ..robot import load_robot
+from ..shared_files import find_shared
+from ..trajectory import write_trajectory_csv
+from ..trajectory_message import write_trajectory_message
+
+EXAMPLE = """
+hand_load excite --robot my_arm.yaml --out excite.csv
+hand_load excite --robot ur10e --out excite --centre=0,-1.6,1.2,-1.2,-1.5,0 --speed 0.3
+"""
+# [Nm per Nm of max_torque] what a torque model leaves unexplained, where nothing is stated.
+_DEFAULT_NOISE = 0.005
+
+
+def add_arguments(parser):
+    """Add the arguments of excite."""
+    parser.add_argument('--robot', metavar='R.yaml', required=True,
+                        help='robot file, or the short name of a shipped one')
+    parser.add_argument('--out', metavar='MOTION', required=True,
+                        help='motion to write: MOTION.csv and, as a JointTrajectory message, '
+                             'MOTION.yaml')
+    parser.add_argument('--duration', metavar='S', type=float, default=60.0,
+                        help='length [s] (default: %(default)g)')
+    parser.add_argument('--centre', metavar='Q1,Q2,...',
+                        help='joint positions [rad] where the motion begins and ends (default: '
+                             'where the arm has most room above its base)')
+    parser.add_argument('--reach', metavar='RAD', type=float, default=1.2,
+                        help='farthest from the centre, per joint [rad] (default: %(default)g)')
+    parser.add_argument('--speed', metavar='SCALE', type=float, default=1.0,
+                        help='share of the velocity limits to use (default: %(default)g)')
+    parser.add_argument('--noise', metavar='NM,NM,...',
+                        help='torque error per joint [Nm] for the expected covariance '
+                             f'(default: {_DEFAULT_NOISE:g} x max_torque)')
+    parser.add_argument('--seed', metavar='N', type=int, default=0,
+                        help='another number gives another motion (default: %(default)s)')
+
+
+def _numbers(text, option, robot):
+    try:
+        values = np.array([float(part) for part in text.split(',')])
+    except ValueError:
+        values = np.array([])
+    if values.shape != (robot.n,) or not np.all(np.isfinite(values)):
+        raise ConfigurationError(option, 'is not usable', text,
+                                 f'{robot.n} numbers: {", ".join(robot.joints)}')
+    return values
+
+
+def _within(option, value, low, high):
+    if not low <= value <= high:
+        raise ConfigurationError(option, 'is not usable', value, f'{low:g} to {high:g}')
+
+
+def _outputs(out):
+    base = Path(out).with_suffix('') if Path(out).suffix in ('.csv', '.yaml') else Path(out)
+    paths = [base.with_name(base.name + suffix) for suffix in ('.csv', '.yaml')]
+    for path in paths:
+        if path.exists():
+            raise ConfigurationError(path, 'exists already', todo='give the name of a new file')
+    if not base.parent.is_dir():
+        raise ConfigurationError(base.parent, 'is not a folder', todo='make it first')
+    return paths
+
+
+class _Progress:
+    """Tell on stderr, about once a second, how far the search is."""
+
+    def __init__(self):
+        self._next = time.monotonic() + 1.0
+
+    def __call__(self, done, total, cost):
+        if time.monotonic() >= self._next or done == total:
+            self._next = time.monotonic() + 1.0
+            print(f'\rsearch {done}/{total}: expected torque std {np.sqrt(cost):.3f} x noise',
+                  end='\n' if done == total else '', file=sys.stderr, flush=True)
+
+
+def _per_joint(values):
+    return ' '.join(f'{v:.3g}' for v in values)
+
+
+def _report(robot, search, motion, trajectory, noise):
+    samples = search.samples(motion)
+    whole, links = search.information.torque_std(*samples)
+    print(f'joints: {", ".join(robot.joints)}')
+    print(f'centre [rad]: {_per_joint(trajectory.position[0])}')
+    print('range [rad]: ' + '  '.join(
+        f'{low:.2f}..{high:.2f}' for low, high in zip(trajectory.position.min(axis=0),
+                                                      trajectory.position.max(axis=0))))
+    print(f'peak speed [rad/s]: {_per_joint(np.abs(trajectory.velocity).max(axis=0))}')
+    print('peak acceleration [rad/s^2]: '
+          f'{_per_joint(np.abs(trajectory.acceleration).max(axis=0))}')
+    allowed = robot.limits.allowed_torque * robot.limits.torque
+    use = torque_use(robot, trajectory.position, trajectory.velocity, trajectory.acceleration,
+                     allowed)
+    print(f'torque without load: {use:.0%} of the allowed at most')
+    print(f'expected with errors of {_per_joint(noise)} Nm, {INDEPENDENT_RATE:g} independent '
+          f'ones a second, for {search.information.base_parameters} base parameters:')
+    print(f'  std of predicted torque [Nm]: {_per_joint(whole)}')
+    print(f'  by the links alone [Nm]: {_per_joint(links)} (friction and offset take up a part)')
+    for name, std in search.information.friction_std(*samples).items():
+        unit = 'Nm' if name == 'coulomb' else 'Nm s/rad'
+        print(f'  std of {name} friction [{unit}]: {_per_joint(std)}')
+    if motion.clearance > 0.0:
+        print(f'joint origins and load frame stay {motion.clearance:.2f} m from mounting plane '
+              'and base column')
+    else:
+        print('WARNING: the motion goes below the mounting plane or through the base column; '
+              'choose another --centre or a smaller --reach')
+    print('Collisions are not checked. Move to the centre, run it with a small --speed first, '
+          'and watch.')
+
+
+def run(args):
+    """Search, write the motion in both forms, say what to expect of it."""
+    robot = load_robot(find_shared(args.robot, 'robots'))
+    _within('--duration', args.duration, 10.0, 600.0)
+    _within('--speed', args.speed, 0.01, 1.0)
+    _within('--reach', args.reach, 0.05, 3.2)
+    csv_path, message_path = _outputs(args.out)
+    noise = (_numbers(args.noise, '--noise', robot) if args.noise
+             else _DEFAULT_NOISE * robot.limits.torque)
+    if np.any(noise <= 0.0):
+        raise ConfigurationError('--noise', 'is not usable', args.noise, 'above 0 [Nm]')
+    centre = (_numbers(args.centre, '--centre', robot) if args.centre
+              else choose_centre(robot, args.reach, np.random.default_rng(args.seed)))
+    check_centre(robot, centre)
+    search = Search(robot, make_box(robot, centre, args.reach, args.speed), args.duration, noise,
+                    args.seed)
+    motion = search.run(_Progress())
+    trajectory = search.trajectory(motion)
+    write_trajectory_csv(csv_path, robot.joints, trajectory)
+    write_trajectory_message(message_path, robot.joints, trajectory)
+    _report(robot, search, motion, trajectory, noise)
+    print(f'written: {csv_path} and {message_path} ({trajectory.duration:.1f} s)')
+    return 0

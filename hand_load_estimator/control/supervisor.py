@@ -1,0 +1,229 @@
+"""Runs the pick-and-place cycle: what to send when, from what is measured and believed."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .acceleration_limits import MovePlanner, PlanSettings
+from .braking import braking_trajectory
+from .collision_threshold import CollisionDetector, CollisionThresholds, ThresholdSettings
+from .fallback import FallbackSettings, LoadPolicy
+from .pick_place import pick_and_place
+from .running_move import RunningMove
+from .torque_use import TorqueUse
+
+_AT_GOAL = 0.02          # [rad] a position controller's static error is far below this
+_ON_PATH = 0.1           # [rad] nearer: the motion is being followed, and may be changed
+_OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not being followed
+_SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
+_INPUT_TIMEOUT = 0.5     # [s] without joint states while moving: stop
+_REPLAN_PERIOD = 0.15    # [s]
+_CLOCK_JUMP = 0.5        # [s] a clock that steps back or ahead by more has been restarted
+_PAUSE = 0.3             # [s] between a stop and the next try
+
+
+@dataclass(frozen=True)
+class CycleSettings:
+    """
+    The cycle: waypoints name -> (n,) [rad] for home, pick and place; cycles (0: without end).
+
+    dwell [s] at pick and place, in which the hand grips or releases; home_dwell [s] at home.
+    """
+
+    waypoints: dict
+    cycles: int = 1
+    dwell: float = 1.5
+    home_dwell: float = 1.0
+    plan: PlanSettings = field(default_factory=PlanSettings)
+    fallback: FallbackSettings = field(default_factory=FallbackSettings)
+    thresholds: ThresholdSettings = field(default_factory=ThresholdSettings)
+
+
+class Supervisor:
+    """
+    The controller without its messages.
+
+    Feed measured(), residual() and policy.estimate(), policy.status(); call tick() at a fixed
+    rate and send the Trajectory it returns. phase: one of pick_place.PHASES; limits:
+    MotionLimits of the move, None before the first; move: the PlannedMove under way or last;
+    in_force: Thresholds now, None before joint states; counts: events since the start.
+    """
+
+    def __init__(self, model, settings):
+        self.robot, self._model, self._settings = model.robot, model, settings
+        self.policy = LoadPolicy(model.robot, settings.fallback)
+        self.detector = CollisionDetector(settings.thresholds)
+        self.temperature = np.full(model.robot.n, np.nan)
+        self.phase, self.limits, self.move, self.in_force = 'home', None, None, None
+        self.stop_reason, self.counts = '', Counter()
+        self._planner = MovePlanner(model, settings.plan)
+        self._thresholds = CollisionThresholds(model, settings.thresholds)
+        self._steps = pick_and_place(settings.cycles, settings.dwell, settings.home_dwell)
+        self._step, self._run, self._braking, self._goal = next(self._steps), None, None, None
+        self._dwell_until, self._pause_until, self._next_replan = None, None, 0.0
+        self._q = self._v = self._measured_at = self._now = None
+
+    @property
+    def moving(self):
+        """Whether a motion is under way."""
+        return self._run is not None or self._braking is not None
+
+    def measured(self, now, q, v):
+        """Take position and velocity (n,) that arrived at `now` [s]."""
+        self._q, self._v, self._measured_at = q, v, now
+
+    def residual(self, stamp, torque):
+        """Take the residual torque (n,) [Nm] of `stamp` [s]."""
+        self.detector.check(stamp, torque)
+
+    def reset(self):
+        """Clear a collision or stop; the interrupted step begins again from where the arm is."""
+        self.detector.reset()
+        self.stop_reason, self._goal = '', None
+        if self.phase == 'stopped':
+            self.phase = self._step.phase if self._step else 'done'
+
+    def stop(self):
+        """Return the braking trajectory that ends a motion under way; None at rest."""
+        return self._brake() if self._run is not None else None
+
+    def tick(self, now, ready=True):
+        """
+        Return the Trajectory to send at `now` [s], its time 0, or None.
+
+        ready: whether somebody takes trajectories; no motion begins before that.
+        """
+        if self._now is not None and not 0.0 <= now - self._now < _CLOCK_JUMP:
+            self._clock_jumped()
+        self._now = now
+        if self._q is None:
+            return None
+        self.policy.update(now, self.moving)
+        out = self._act(now, ready)
+        self._watch(now)
+        return out
+
+    def _clock_jumped(self):
+        self.counts['clock_jump'] += 1
+        self._run = self._braking = self._pause_until = self._goal = None
+        self._dwell_until, self._next_replan = None, 0.0
+
+    def _act(self, now, ready):
+        if self._braking is not None and now > self._braking.end:
+            self._braking = None
+        if self.phase == 'stopped':
+            return None
+        if self.detector.collided:
+            return self._halt(now, self._describe_collision())
+        if self._run is not None:
+            return self._follow(now)
+        waiting = self._pause_until is not None and now < self._pause_until
+        stale = now - self._measured_at > _INPUT_TIMEOUT
+        if self._step is None or waiting or stale or not ready:
+            return None
+        self.phase = self._step.phase
+        return self._move(now) if self._step.target else self._dwell(now)
+
+    def _dwell(self, now):
+        if self._dwell_until is None:
+            self._dwell_until = now + self._step.dwell
+            if self._step.grips:
+                self.policy.expect_change()
+        if now >= self._dwell_until:
+            self._dwell_until = None
+            self._advance()
+        return None
+
+    def _advance(self):
+        self._step = next(self._steps, None)
+        self.phase = self._step.phase if self._step else 'done'
+
+    def _move(self, now):
+        target = np.asarray(self._settings.waypoints[self._step.target], dtype=float)
+        # Where the arm was sent, not where it hangs a milliradian below: no step in the command.
+        near = self._goal is not None and np.max(np.abs(self._q - self._goal)) < _AT_GOAL
+        start = self._goal if near else self._q
+        if np.max(np.abs(start - target)) < 1e-3:
+            self._goal = target
+            self._advance()
+            return None
+        move = self._planner.plan(start, target, self.policy.belief, self.temperature,
+                                  self.policy.caution)
+        self._run, self._next_replan = RunningMove(move, now), now + _REPLAN_PERIOD
+        self._accept(move)
+        self.counts['motions'] += 1
+        return self._run.trajectory.shifted(-now)
+
+    def _accept(self, move):
+        self.move = move
+        self.limits = move.motion_limits(self.robot.limits, self._settings.plan.speed_scale)
+
+    def _follow(self, now):
+        if now - self._measured_at > _INPUT_TIMEOUT:
+            return self._halt(now, 'the joint states have stopped while the arm was moving')
+        distance = np.max(np.abs(self._q - self._run.state(now)[0]))
+        if distance > _OFF_PATH:
+            self.counts['off_path'] += 1
+            return self._retry(now)
+        if now >= self._run.end:
+            return self._arrive(now)
+        if now >= self._next_replan and distance < _ON_PATH:
+            self._next_replan = now + _REPLAN_PERIOD
+            if self._run.replan(now, self._planner, self.policy.belief, self.temperature,
+                                self.policy.caution):
+                self.counts['replans'] += 1
+                self._accept(self._run.move)
+                return self._run.trajectory.shifted(-now)
+        return None
+
+    def _arrive(self, now):
+        if np.max(np.abs(self._q - self._run.goal)) < _AT_GOAL:
+            self._goal, self._run = self._run.goal, None
+            self._advance()
+        elif now > self._run.end + _SETTLE:
+            self.counts['not_arrived'] += 1
+            return self._retry(now)
+        return None
+
+    def _retry(self, now):
+        """Stop, and begin the step again from where the arm is."""
+        brake = self._brake()
+        self._run, self._braking, self._goal = None, brake.shifted(now), None
+        self._pause_until = now + brake.duration + _PAUSE
+        return brake
+
+    def _halt(self, now, reason):
+        """Stop and wait for a reset."""
+        self.phase, self.stop_reason = 'stopped', reason
+        self.counts['stops'] += 1
+        self._dwell_until = None
+        if self._run is None:
+            return None
+        brake = self._brake()
+        self._run, self._braking, self._goal = None, brake.shifted(now), None
+        return brake
+
+    def _brake(self):
+        use = TorqueUse(self._model, self.policy.belief, self._settings.plan.sigma,
+                        self.temperature)
+        return braking_trajectory(self._q, self._v, use, self.robot.limits.acceleration)
+
+    def _reference(self, now):
+        if self._run is not None:
+            return self._run.state(now)
+        if self._braking is not None:
+            return self._braking.sample(now)
+        still = np.zeros(self.robot.n)
+        return self._q, still, still
+
+    def _watch(self, now):
+        thresholds, fixed = self._thresholds.at(*self._reference(now), self.policy.belief,
+                                                self.temperature)
+        self.in_force = self.detector.record(now, thresholds, fixed)
+
+    def _describe_collision(self):
+        joints, beyond, threshold = self.detector.what
+        return 'collision: ' + ', '.join(
+            f'{self.robot.joints[j]} {beyond[j]:.1f} Nm beyond the expected torque, '
+            f'threshold {threshold[j]:.1f} Nm' for j in joints)

@@ -1,0 +1,202 @@
+"""
+Make one training sequence: what the estimator would see of a load it does not know.
+
+A true arm is drawn around the *identified* torque model (its covariance, its drift between
+recordings, priors for unmodelled torque), moved along a random motion with a random load, and
+seen through the estimator's own filter and torque model. Only differences matter, because the
+model is linear: tau_real - tau_mdl = K m + Y (x_true - x) + what the model lacks + noise.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..effects import EffectInput
+from ..motion import BANDWIDTH, filter_step
+from ..presliding import presliding_path, stuck_density
+from ..torque_model import (drift_std, effect_columns, nuisance_columns, torque_columns,
+                            uncertain_directions)
+from .random_loads import random_load
+from .random_motions import random_motion
+from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_state,
+                         friction_torque)
+
+RATE = 100.0      # [Hz] of the simulated messages
+EVERY = 2         # messages per step of the estimator
+DURATION = 10.0   # [s]
+VELOCITY_NOISE = 2e-3 * np.sqrt(RATE / 500.0)   # [rad/s] as 2 mrad/s at 500 Hz
+NOISE_BANDWIDTH = BANDWIDTH * 3.0 / 16.0        # [Hz] two-sided, of the estimator's filter
+STEPS = int(DURATION * RATE) // EVERY
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """
+    One sequence of N steps for an arm of n joints and d = 10 + r unknowns.
+
+    motion (N, 3, n): q, v, a; difference (N, n) [Nm]; columns (N, n, d); warmth (N, n) [K],
+    NaN without a sensor; z, doubt (N, n); load: message order (10,); begin: index of motion
+    start; density (N, n) [Nm^2 s] as ModelFollower states it; level, rmse (n,) [Nm]: friction
+    level and residual of the model in use.
+    """
+
+    motion: np.ndarray
+    difference: np.ndarray
+    columns: np.ndarray
+    warmth: np.ndarray
+    z: np.ndarray
+    doubt: np.ndarray
+    load: np.ndarray
+    begin: np.ndarray
+    density: np.ndarray
+    level: np.ndarray
+    rmse: np.ndarray
+
+
+class SequenceMaker:
+    """Make Sequences around one identified TorqueModel, each from its own seed."""
+
+    def __init__(self, model, directions=12):
+        self._model = model
+        self._uncertain = uncertain_directions(model, directions, 0)
+        values, vectors = np.linalg.eigh(model.covariance)
+        self._root = vectors * np.sqrt(np.maximum(values, 0.0))
+
+    def make(self, seed):
+        """Return the Sequence of a seed."""
+        rng = np.random.default_rng(seed)
+        model = _vary(rng, self._model)
+        robot = model.robot
+        times = np.arange(int(DURATION * RATE)) / RATE
+        q, v, a = random_motion(rng, robot, times)
+        torque = _friction_and_noise(rng, model, q, v)
+        v = v + rng.normal(0.0, VELOCITY_NOISE, v.shape)
+        q, v, a, torque = _through_filter(q, v, torque)
+        z, doubt = presliding_path(q, v, np.full(len(q), EVERY / RATE),
+                                   model.presliding_distance())
+        warmth, measured = _warmths(rng, model, len(q))
+        x = EffectInput(q, v, a, np.nan_to_num(measured), z)
+        columns = torque_columns(robot, model.uses, x)
+        load = random_load(rng, robot)
+        load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
+        difference = load_columns @ load.to_products() + torque - _sliding_friction(model, x)
+        difference += _temperature_error(model, x, warmth)
+        difference += self._model_error(rng, model, columns, x)
+        difference += disturbances(rng, q, v, a, columns @ model.mean + difference,
+                                   model.residuals.rmse, EVERY / RATE)
+        nuisances = nuisance_columns(columns, self._uncertain,
+                                     drift_std(model, np.isfinite(measured[0])), x)
+        level = model.friction_level()
+        moving = np.flatnonzero((np.abs(v) > 0.05).any(axis=1))
+        return _as_float32(Sequence(
+            motion=np.stack([q, v, a], axis=1), difference=difference,
+            columns=np.concatenate([load_columns, nuisances], axis=2), warmth=measured, z=z,
+            doubt=doubt, load=load.to_message(),
+            begin=np.array(moving[0] if len(moving) else len(q) - 1),
+            density=model.residuals.intensity + stuck_density(z, doubt, v, level),
+            level=level, rmse=model.residuals.rmse))
+
+    def _model_error(self, rng, model, columns, x):
+        """Return torque (N, n) of identified parameters that are off as their covariance says."""
+        error = columns @ (self._root @ rng.normal(size=self._root.shape[1]))
+        drift = nuisance_columns(columns, self._uncertain[:, :0], model.residuals.drift, x)
+        return error + drift @ rng.normal(size=drift.shape[2])
+
+
+def _as_float32(sequence):
+    return Sequence(**{name: np.asarray(value, dtype=np.float32)
+                       for name, value in vars(sequence).items()})
+
+
+def _vary(rng, model):
+    """Return a model of another arm of the kind: friction levels and noise somewhat different."""
+    n = model.robot.n
+    mean = model.mean.copy()
+    size = np.exp(rng.normal(0.0, 0.15, n))
+    travel = np.exp(rng.normal(0.0, 0.3, n))
+    uses = []
+    for use, where in model.slices():
+        if use.name != 'torque_offset':
+            mean[where] *= size[use.joint]
+        shape = dict(use.shape)
+        if 'presliding_distance' in shape:
+            shape['presliding_distance'] *= travel[use.joint]
+        uses.append(replace(use, shape=shape))
+    noisier = np.exp(rng.normal(0.0, 0.2, n))
+    old = model.residuals
+    residuals = replace(old, rmse=old.rmse * noisier, intensity=old.intensity * noisier ** 2,
+                        drift=old.drift * noisier[:, None])
+    return replace(model, mean=mean, uses=tuple(uses), residuals=residuals)
+
+
+def _warmths(rng, model, count):
+    """Return true and measured (count, n) temperatures above the reference [K]."""
+    n, reference = model.robot.n, model.robot.reference_temperature
+    low, high = model.temperatures or (15.0, 50.0)
+    start = rng.uniform(low - 3.0, high + 3.0) - reference
+    true = start + rng.normal(0.0, 2.0, n) + np.outer(
+        np.linspace(0.0, 1.0, count), np.abs(rng.normal(0.0, 0.5, n)))
+    measured = true + rng.normal(0.0, 0.4, n)
+    if model.temperatures is None or rng.random() < 0.05:
+        measured = np.full_like(true, np.nan)
+    return true, measured
+
+
+def _values(model, name, k=0, shape=None):
+    """Return a parameter (or shape value) of an effect for all joints (n,)."""
+    out = np.zeros(model.robot.n) if shape is None else np.full(model.robot.n, 0.1)
+    for use, where in model.slices():
+        if use.name == name:
+            out[use.joint] = use.shape[shape] if shape else model.mean[where.start + k]
+    return out
+
+
+def _friction_and_noise(rng, model, q, v):
+    """Return torque (N, n): true friction at the reference temperature, and noise."""
+    truth = draw_friction(
+        rng, _values(model, 'coulomb_friction'), _values(model, 'stribeck_friction'),
+        _values(model, 'presliding_hysteresis'), _values(model, 'viscous_friction'),
+        _values(model, 'stribeck_friction', shape='stribeck_velocity'),
+        model.presliding_distance())
+    friction = friction_torque(friction_state(rng, q, v, truth), v, truth)
+    residuals = model.residuals
+    white = rng.uniform(0.3, 1.0, model.robot.n) * np.minimum(
+        residuals.rmse ** 2 / NOISE_BANDWIDTH, residuals.intensity)
+    slow = np.maximum(residuals.intensity - white, 0.2 * residuals.intensity)
+    noise = rng.normal(size=q.shape) * np.sqrt(white * RATE)
+    return friction + noise + coloured_noise(rng, len(q), slow, 1.0 / RATE)
+
+
+def _sliding_friction(model, x):
+    """Return (N, n): what the model subtracts for the friction that draw_friction varies."""
+    cold = replace(x, warmth=np.zeros_like(x.warmth))
+    out = np.zeros_like(x.q)
+    for use, where in model.slices():
+        if use.name in ('coulomb_friction', 'stribeck_friction', 'viscous_friction',
+                        'presliding_hysteresis'):
+            out[:, use.joint] += effect_columns(cold, use) @ model.mean[where]
+    return out
+
+
+def _temperature_error(model, x, warmth):
+    """Return (N, n): effects at the true warmth less effects at the measured one."""
+    true = replace(x, warmth=warmth)
+    out = np.zeros_like(x.q)
+    for use, where in model.slices():
+        columns = effect_columns(true, use) - effect_columns(x, use)
+        out[:, use.joint] += columns @ model.mean[where]
+    return out
+
+
+def _through_filter(q, v, torque):
+    """Return filtered q, v, a, torque (N / EVERY, n) as MotionFilter gives them."""
+    matrix, before, now = filter_step(1.0 / RATE)
+    signal = np.concatenate([q, v, torque], axis=1)
+    state = np.repeat(signal[:1], 3, axis=0)
+    n, out = q.shape[1], []
+    for k in range(1, len(signal)):
+        state = matrix @ state + np.outer(before, signal[k - 1]) + np.outer(now, signal[k])
+        if k % EVERY == EVERY - 1:
+            rate = BANDWIDTH * (state[1, n:2 * n] - state[2, n:2 * n])
+            out.append((state[2, :n], state[2, n:2 * n], rate, state[2, 2 * n:]))
+    return tuple(np.array(column) for column in zip(*out))

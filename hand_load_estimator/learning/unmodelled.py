@@ -1,0 +1,134 @@
+"""
+Priors for torque the model does not have, drawn per training sequence.
+
+All sizes are in units of what identification measured (friction levels, residual noise), so the
+same priors serve every robot. Nothing here knows the plant: the friction state follows Dahl's
+closed form with a travel, a starting value and a shape of its own, and the rest are generic
+disturbances an identified model is known to miss.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects.friction import sign_of
+from ..presliding import REST_SPEED
+
+
+@dataclass(frozen=True)
+class FrictionTruth:
+    """
+    True friction of one sequence, (n,) each.
+
+    coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns over the
+    presliding travel; viscous [Nm s/rad]; stribeck_velocity [rad/s]; distance [rad] of
+    presliding; bend: exponent of the approach to the level (1 is Dahl's, 0 elastoplastic); start:
+    friction state at rest.
+    """
+
+    coulomb: np.ndarray
+    breakaway: np.ndarray
+    turning: np.ndarray
+    viscous: np.ndarray
+    stribeck_velocity: np.ndarray
+    distance: np.ndarray
+    bend: np.ndarray
+    start: np.ndarray
+
+
+def draw_friction(rng, coulomb, breakaway, turning, viscous, velocity, distance):
+    """Return a FrictionTruth around identified values (n,) each."""
+    n = len(coulomb)
+
+    def near(value, spread):
+        return value * np.exp(rng.normal(0.0, spread, n))
+
+    return FrictionTruth(near(coulomb, 0.02), near(breakaway, 0.2), near(turning, 0.1),
+                         near(viscous, 0.015), near(velocity, 0.3), near(distance, 0.35),
+                         rng.uniform(0.0, 0.9, n), rng.uniform(-1.0, 1.0, n))
+
+
+def friction_state(rng, q, v, truth):
+    """
+    Return z (N, n): the friction state along q (N, n), let go a little whenever a joint rests.
+
+    With w = 1 - z sign, dw = -w^bend |dq| / s has the closed form used here for any bend < 1.
+
+    While it rests the contacts relax towards a random value (creep, a brake, a drive's dither).
+    """
+    z, stiff = np.empty_like(q), 1.0 - truth.bend
+    state, resting = truth.start.copy(), np.zeros(q.shape[1], dtype=bool)
+    for k in range(len(q)):
+        step = q[k] - q[k - 1] if k else np.zeros(q.shape[1])
+        sign = np.sign(step)
+        gap = np.maximum(1.0 - state * sign, 0.0) ** stiff - stiff * np.abs(step) / truth.distance
+        state = np.where(sign == 0.0, state, sign * (1.0 - np.maximum(gap, 0.0) ** (1.0 / stiff)))
+        rest = np.abs(v[k]) < REST_SPEED
+        if np.any(came := rest & ~resting):
+            relaxed = rng.uniform(-1.0, 1.0, len(state))
+            keep = rng.uniform(0.0, 1.0, len(state))
+            state = np.where(came, keep * state + (1.0 - keep) * relaxed, state)
+        resting = rest
+        z[k] = state
+    return z
+
+
+def friction_torque(z, v, truth):
+    """Return the true friction (N, n) [Nm] at the reference temperature."""
+    fade = np.exp(-np.abs(v) / truth.stribeck_velocity)
+    sign = sign_of(v)
+    sliding = sign * (truth.coulomb + truth.breakaway * fade) + truth.viscous * v
+    return sliding + truth.turning * (z - sign)
+
+
+def smooth_curve(rng, x, scale):
+    """Return a random smooth function of x (N,) with unit RMS over its prior and given scale."""
+    w = rng.normal(0.0, 1.0 / scale, 6)
+    phase, size = rng.uniform(0.0, 2.0 * np.pi, 6), rng.normal(size=6)
+    return np.sqrt(2.0 / 6.0) * np.sum(size * np.cos(np.multiply.outer(x, w) + phase), axis=-1)
+
+
+def disturbances(rng, q, v, a, torque, noise, dt):
+    """
+    Return (N, n) [Nm]: effects nobody declared, each present in some sequences.
+
+    torque (N, n): what the drives hold; noise (n,): residual RMS; dt [s] of a row.
+    """
+    out = np.zeros_like(q)
+    n = q.shape[1]
+    for j in range(n):
+        def strength(j=j):
+            return noise[j] * 10.0 ** rng.uniform(-1.0, 0.5)
+
+        if rng.random() < 0.7:  # friction has some shape over speed that no formula has
+            out[:, j] += 0.3 * strength() * smooth_curve(
+                rng, np.arcsinh(v[:, j] / 0.1), 1.5) * np.tanh(v[:, j] / 0.02)
+        if rng.random() < 0.25:  # torque ripple of motor and gear
+            out[:, j] += strength() * np.sin(
+                rng.uniform(4.0, 120.0) * q[:, j] + rng.uniform(0.0, 2.0 * np.pi))
+        if rng.random() < 0.2:  # cables, balancers: smooth in position
+            out[:, j] += strength() * smooth_curve(rng, q[:, j], 1.0)
+        if rng.random() < 0.2:  # friction that follows the gear's torque
+            share = rng.uniform(0.0, 0.02)
+            out[:, j] += share * np.abs(torque[:, j]) * np.tanh(v[:, j] / 0.01)
+    if rng.random() < 0.2:  # gain of the effort
+        out += torque * rng.normal(0.0, 0.004, n)
+    if rng.random() < 0.2:  # effort late against position
+        late = rng.uniform(-0.004, 0.004)
+        out += late * np.gradient(torque, dt, axis=0)
+    return out
+
+
+def coloured_noise(rng, count, density, dt):
+    """Return (count, n) [Nm]: slow noise of low-frequency density (n,) [Nm^2 s]."""
+    n = len(density)
+    memory = 10.0 ** rng.uniform(-1.0, 0.0, n)
+    std = np.sqrt(density / (2.0 * memory))
+    keep = np.exp(-dt / memory)
+    kicks = rng.normal(size=(count, n)) * std * np.sqrt(1.0 - keep ** 2)
+    out = np.empty((count, n))
+    state = rng.normal(size=n) * std
+    for k in range(count):
+        state = keep * state + kicks[k]
+        out[k] = state
+    return out

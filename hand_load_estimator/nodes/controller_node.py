@@ -1,0 +1,268 @@
+"""Controller node: a pick-and-place cycle whose limits and thresholds follow the load."""
+
+import sys
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import InertiaStamped
+from rclpy.duration import Duration
+from rclpy.node import Node
+from sensor_msgs.msg import JointState, Temperature
+from std_msgs.msg import Bool, Float64MultiArray, String
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from ..control.acceleration_limits import PlanSettings
+from ..control.collision_threshold import ThresholdSettings
+from ..control.fallback import FallbackSettings, usable_estimate
+from ..control.supervisor import CycleSettings, Supervisor
+from ..errors import ConfigurationError
+from ..input_guard import InputGuard
+from ..joint_stream import PLAUSIBLE_TEMPERATURE
+from ..model_file import read_model
+from ..robot import load_robot
+from ..shared_files import find_shared
+from .controller_messages import (effort_by_name, limits_message, thresholds_message,
+                                  trajectory_message)
+from .controller_parameters import CONTROLLER_PARAMETERS
+from .diagnostics import ERROR, OK, WARN, Diagnostics
+from .estimate_messages import vector_of_inertia
+from .parameters import NodeParameters
+from .qos import LATCHED, OUTPUT, measurement
+from .runner import run_node
+from .stamps import StampBase
+
+_LAST_WORDS = 0.5  # [s] at most, for the last trajectory to be received
+_RESTING = 5  # thresholds at rest are published every this many cycles
+
+
+def model_from_parameters(values):
+    """Return the TorqueModel the parameters ask for; raises ConfigurationError."""
+    path = find_shared(values.robot, 'robots')
+    robot = load_robot(path)
+    model = read_model(find_shared(values.model or path.stem, 'models'))
+    if model.robot.joints != robot.joints:
+        raise ConfigurationError('parameter model', f'belongs to other joints than {path}',
+                                 list(model.robot.joints), list(robot.joints))
+    # The limits that hold are today's robot file's, not those of the day of identification.
+    return replace(model, robot=robot)
+
+
+def settings_from_parameters(values, robot):
+    """Return the CycleSettings; raises ConfigurationError for waypoints the arm cannot take."""
+    waypoints = {name: np.array(getattr(values, name)) for name in ('home', 'pick', 'place')}
+    for name, q in waypoints.items():
+        if len(q) != robot.n:
+            raise ConfigurationError(f'parameter {name}', 'does not fit the robot', q.tolist(),
+                                     f'{robot.n} joint positions, of {", ".join(robot.joints)}')
+        if np.any(q < robot.limits.lower) or np.any(q > robot.limits.upper):
+            raise ConfigurationError(f'parameter {name}', 'is outside the joint limits',
+                                     q.tolist(), f'{robot.limits.lower.tolist()} to '
+                                     f'{robot.limits.upper.tolist()} rad')
+    return CycleSettings(
+        waypoints, values.cycles, values.dwell, values.home_dwell,
+        PlanSettings(values.sigma, values.acceleration_rise_time, values.speed_scale),
+        FallbackSettings(values.estimate_timeout, values.relax_time),
+        ThresholdSettings(margin=values.collision_margin, sigma=values.sigma,
+                          debounce=values.collision_debounce))
+
+
+class ControllerNode(Node):
+    """Thin shell around control.Supervisor."""
+
+    def __init__(self):
+        super().__init__('controller')
+        values = NodeParameters(self, CONTROLLER_PARAMETERS).values
+        model = model_from_parameters(values)
+        self._robot = model.robot
+        self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
+        self._guard = InputGuard(self._robot.joints, self._robot.limits.velocity)
+        self._rejected, self._base = Counter(), StampBase()
+        self._mean, self._behind, self._ticks = None, 0.0, 0
+        self._said = {}
+        self._create_outputs()
+        self._create_inputs(values)
+        self._create_diagnostics()
+        self.create_timer(1.0 / values.rate, self._tick)
+        self._say_changes()
+        self.get_logger().info(f'controlling {self._robot.name}; waiting for joint states')
+
+    def _create_outputs(self):
+        self._trajectory = self.create_publisher(
+            JointTrajectory, 'joint_trajectory_controller/joint_trajectory', OUTPUT)
+        self._limits = self.create_publisher(JointTrajectory, '~/motion_limits', LATCHED)
+        self._thresholds = self.create_publisher(JointState, '~/collision_thresholds', LATCHED)
+        self._collision = self.create_publisher(Bool, '~/collision', LATCHED)
+        self._phase = self.create_publisher(String, '~/phase', LATCHED)
+
+    def _create_inputs(self, values):
+        self.create_subscription(JointState, 'joint_states', self._on_joint_state,
+                                 measurement(values.joint_states_depth))
+        self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
+                                 measurement(200))
+        self.create_subscription(InertiaStamped, 'estimator/load', self._on_load, OUTPUT)
+        self.create_subscription(Float64MultiArray, 'estimator/load_covariance',
+                                 self._on_covariance, OUTPUT)
+        self.create_subscription(DiagnosticStatus, 'estimator/status', self._on_status, LATCHED)
+        self.create_subscription(JointState, 'estimator/residual_torque', self._on_residual,
+                                 measurement(100))
+        self.create_service(Trigger, '~/reset', self._on_reset)
+
+    def _create_diagnostics(self):
+        self._diagnostics = Diagnostics(self, hardware_id=self._robot.name)
+        self._diagnostics.add('motion', self._report_motion)
+        self._diagnostics.add('load', self._report_load)
+        self._diagnostics.add('collision', self._report_collision)
+        self._diagnostics.add('input', self._report_input)
+
+    def _now(self):
+        return self._base.seconds(self.get_clock().now().to_msg())
+
+    def _on_joint_state(self, message):
+        # The controller does not read the effort; a joint without one still has a position.
+        stamp = self._base.seconds(message.header.stamp)
+        accepted = self._guard.accept(stamp, message.name, message.position, message.velocity,
+                                      [0.0] * len(message.name))
+        if accepted is None:
+            return
+        q, v, _ = accepted
+        now = self._now()
+        self._behind = now - stamp
+        self._supervisor.measured(now, q, np.nan_to_num(v))
+
+    def _on_temperature(self, message):
+        joint, celsius = message.header.frame_id, message.temperature
+        matches = [i for i, name in enumerate(self._robot.joints) if joint.endswith(name)]
+        low, high = PLAUSIBLE_TEMPERATURE
+        if len(matches) == 1 and low < celsius < high:
+            self._supervisor.temperature[matches[0]] = celsius
+        elif matches:
+            self._rejected['implausible_temperature'] += 1
+
+    def _on_load(self, message):
+        self._mean = vector_of_inertia(message.inertia)
+
+    def _on_covariance(self, message):
+        # The covariance follows its mean; waiting for it never pairs a new mean with an old one.
+        if self._mean is None:
+            return
+        covariance = np.array(message.data)
+        covariance = covariance.reshape(10, 10) if covariance.size == 100 else covariance
+        mean, self._mean = self._mean, None
+        unusable = usable_estimate(mean, covariance)
+        if unusable:
+            self._rejected[unusable] += 1
+        else:
+            self._supervisor.policy.estimate(self._now(), mean, covariance)
+
+    def _on_status(self, message):
+        values = {pair.key: pair.value for pair in message.values}
+        self._supervisor.policy.status(self._now(), message.message, values.get('load_id', ''))
+
+    def _on_residual(self, message):
+        torque = effort_by_name(message, self._robot.joints)
+        if torque is None:
+            self._rejected['residual_joints'] += 1
+        elif not np.isfinite(torque).all():
+            self._rejected['residual_not_finite'] += 1
+        else:
+            # In this node's time, whatever clock stamps the joint states.
+            stamp = self._base.seconds(message.header.stamp) + self._behind
+            self._supervisor.residual(stamp, torque)
+
+    def _on_reset(self, _request, response):
+        self._supervisor.reset()
+        self._say_changes()
+        response.success = True
+        response.message = f'goes on with {self._supervisor.phase}'
+        return response
+
+    def _tick(self):
+        if self.get_clock().now().nanoseconds == 0:
+            return  # use_sim_time, and /clock has not arrived
+        now = self._now()
+        ready = self._trajectory.get_subscription_count() > 0
+        self._send(self._supervisor.tick(now, ready))
+        self._say_changes()
+        self._ticks += 1
+        in_force = self._supervisor.in_force
+        if in_force is not None and (self._supervisor.moving or self._ticks % _RESTING == 0):
+            self._thresholds.publish(thresholds_message(
+                self._robot.joints, in_force.threshold, self.get_clock().now().to_msg()))
+
+    def _send(self, trajectory):
+        if trajectory is not None:
+            self._trajectory.publish(trajectory_message(self._robot.joints, trajectory))
+
+    def _say_changes(self):
+        """Publish latched facts when they differ from what was said last."""
+        supervisor = self._supervisor
+        if self._changed('phase', supervisor.phase):
+            self._phase.publish(String(data=supervisor.phase))
+            self.get_logger().info(f'phase {supervisor.phase} {supervisor.stop_reason}'.strip())
+        if self._changed('collision', supervisor.detector.collided):
+            self._collision.publish(Bool(data=supervisor.detector.collided))
+        if supervisor.limits is not None and self._changed('limits', supervisor.limits):
+            self._limits.publish(limits_message(self._robot.joints, supervisor.limits,
+                                                self.get_clock().now().to_msg()))
+
+    def _changed(self, what, value):
+        before, self._said[what] = self._said.get(what), value
+        return before != value
+
+    def _report_motion(self):
+        supervisor, move = self._supervisor, self._supervisor.move
+        values = {'phase': supervisor.phase, **supervisor.counts}
+        if move is not None:
+            values.update({'planned for': f'{move.basis} load', 'move time [s]': move.duration,
+                           'acceleration time [s]': move.profile.acceleration_time,
+                           'deceleration time [s]': move.profile.deceleration_time})
+        if supervisor.phase == 'stopped':
+            return ERROR, f'{supervisor.stop_reason}; call ~/reset to go on', values
+        if self._trajectory.get_subscription_count() == 0:
+            return WARN, 'nobody takes joint_trajectory_controller/joint_trajectory', values
+        if move is not None and not move.feasible:
+            return WARN, move.reason, values
+        return OK, supervisor.phase, values
+
+    def _report_load(self):
+        policy = self._supervisor.policy
+        values = {'caution': policy.caution, 'basis': policy.belief.source,
+                  'mass [kg]': float(policy.belief.mean[0])}
+        if policy.trusted:
+            return OK, 'the estimate is used', values
+        return WARN, f'the rated load is used: {policy.reason}', values
+
+    def _report_collision(self):
+        supervisor = self._supervisor
+        values = {}
+        if supervisor.in_force is not None:
+            values = {f'threshold {joint} [Nm]': float(value) for joint, value in
+                      zip(self._robot.joints, supervisor.in_force.threshold)}
+        if supervisor.detector.collided:
+            return ERROR, supervisor.stop_reason, values
+        return OK, 'no collision', values
+
+    def _report_input(self):
+        rejected = self._guard.rejected + self._rejected
+        values = {f'rejected {reason}': count for reason, count in sorted(rejected.items())}
+        if self._guard.last_stamp is None:
+            return ERROR, 'no joint states have arrived', values
+        return OK, 'joint states arrive', values
+
+    def stop(self):
+        """End a motion under way with a braking trajectory."""
+        self._send(self._supervisor.stop())
+        # Destroyed at once, a publisher may take its last message with it.
+        self._trajectory.wait_for_all_acked(Duration(seconds=_LAST_WORDS))
+
+
+def main(args=None):
+    """Run the node; return the exit code."""
+    return run_node(ControllerNode, args)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,9 @@
+"""The only room that simulates: arm, drives, friction, heat, hidden effects, sensors."""
+
+from .effects_file import read_effects
+from .plant import Plant
+from .run import JointEvent, simulate_motion, TemperatureEvent
+from .setpoint import TrajectoryError
+
+__all__ = ['JointEvent', 'Plant', 'TemperatureEvent', 'TrajectoryError', 'read_effects',
+           'simulate_motion']

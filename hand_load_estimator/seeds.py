@@ -1,0 +1,18 @@
+"""
+Seed ranges of everything random, so that nothing is judged on what it was made from.
+
+Disjoint by construction and held so by a test. `development` is for looking and choosing;
+nothing is ever tuned on `benchmark`.
+"""
+
+TRAINING = range(1_000_000, 2_000_000)
+VALIDATION = range(2_000_000, 2_100_000)
+CALIBRATION = range(2_100_000, 2_200_000)
+# Plants: these seeds pick the true arm behind a recording.
+DEVELOPMENT_PLANTS = range(500, 600)
+BENCHMARK_PLANTS = range(1000, 1400)
+# Cases of the benchmark: load, temperature, motion and noise of one run.
+DEVELOPMENT_CASES = range(3_000_000, 3_100_000)
+BENCHMARK_CASES = range(4_000_000, 4_100_000)
+# The plant whose recordings made the shipped model; the demo uses others.
+SHIPPED_MODEL_PLANT = 1

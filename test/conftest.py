@@ -1,0 +1,38 @@
+"""Shared fixtures: a ROS domain of one's own, so that tests and robots never hear each other."""
+
+import os
+
+# One machine only, and before rclpy is imported anywhere.
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+os.environ.setdefault('OMP_NUM_THREADS', '1')
+
+import pytest  # noqa: E402
+from ros_helpers import Listener, NodeProcess, free_domain  # noqa: E402
+
+
+@pytest.fixture
+def domain():
+    """Yield a domain id no other test on this machine uses meanwhile."""
+    with free_domain() as number:
+        yield number
+
+
+@pytest.fixture
+def listener(domain):
+    """Yield a Listener on the test's domain."""
+    with Listener(domain) as node:
+        yield node
+
+
+@pytest.fixture
+def start(domain):
+    """Yield start(node, *arguments, **keywords) -> NodeProcess; all are ended after the test."""
+    processes = []
+
+    def start_process(node, *arguments, **keywords):
+        processes.append(NodeProcess(node, domain, arguments, **keywords))
+        return processes[-1]
+
+    yield start_process
+    for process in processes:
+        process.kill()

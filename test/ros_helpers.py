@@ -1,0 +1,133 @@
+"""Run nodes as processes on a domain of their own and listen to them."""
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+# Domains above 101 may meet the ports Linux hands out; 0 is everybody's default.
+DOMAINS = range(1, 102)
+
+
+@contextmanager
+def free_domain():
+    """Yield a domain id held by a lock file, so that parallel test runs do not meet."""
+    folder = Path(tempfile.gettempdir())
+    start = os.getpid() % len(DOMAINS)
+    for k in range(len(DOMAINS)):
+        number = DOMAINS[(start + k) % len(DOMAINS)]
+        handle = open(folder / f'hand_load_domain_{number}.lock', 'a')
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            handle.close()
+            continue
+        try:
+            yield number
+        finally:
+            handle.close()
+        return
+    raise RuntimeError('all ROS domains are in use on this machine')
+
+
+def node_environment(domain):
+    """Return the environment of a node process: this tree, this domain, this machine."""
+    return {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'PYTHONPATH': str(ROOT),
+            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'PYTHONUNBUFFERED': '1'}
+
+
+class NodeProcess:
+    """
+    A node as a process; its output is kept in a file.
+
+    node: `simulator`, `estimator`, `controller`, or a path of an executable.
+    """
+
+    def __init__(self, node, domain, arguments=(), environment=None):
+        command = [str(node)] if os.sep in str(node) else \
+            [sys.executable, '-m', f'hand_load_estimator.nodes.{node}_node']
+        self._output = tempfile.TemporaryFile()
+        self.process = subprocess.Popen(
+            [*command, *map(str, arguments)], env=environment or node_environment(domain),
+            stdout=self._output, stderr=subprocess.STDOUT, cwd=tempfile.gettempdir())
+
+    @property
+    def output(self):
+        """Everything the process has said so far."""
+        self._output.seek(0)
+        return self._output.read().decode(errors='replace')
+
+    def stop(self, number=signal.SIGTERM, timeout=15.0):
+        """Send a signal; return the exit code."""
+        self.process.send_signal(number)
+        return self.wait(timeout)
+
+    def wait(self, timeout=15.0):
+        """Return the exit code."""
+        try:
+            return self.process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f'does not end; it said:\n{self.output}') from None
+
+    def kill(self):
+        """End it whatever happens."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+
+
+class Listener:
+    """A node in the test's own process with a context of its own."""
+
+    def __init__(self, domain):
+        from rclpy.context import Context
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.node import Node
+        self.context = Context()
+        self.context.init(domain_id=domain)
+        self.node = Node('listener', context=self.context)
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self._executor.add_node(self.node)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+    def listen(self, kind, topic, qos):
+        """Return a list that grows by every message of the topic."""
+        heard = []
+        self.node.create_subscription(kind, topic, heard.append, qos)
+        return heard
+
+    def until(self, condition, timeout=15.0, what='what was waited for'):
+        """Spin until condition() holds; AssertionError after `timeout` [s]."""
+        end = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > end:
+                raise AssertionError(f'{what} did not come within {timeout:g} s')
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def spin(self, seconds):
+        """Spin for some real time [s]."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def call(self, kind, service, request, timeout=10.0):
+        """Return the response of a service."""
+        client = self.node.create_client(kind, service)
+        self.until(client.service_is_ready, timeout, f'service {service}')
+        future = client.call_async(request)
+        self.until(future.done, timeout, f'an answer of {service}')
+        self.node.destroy_client(client)
+        return future.result()

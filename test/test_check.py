@@ -1,0 +1,281 @@
+"""`hand_load check` names each thing that can be wrong with a recording, and only that."""
+
+import json
+import os
+from pathlib import Path
+
+from hand_load_estimator.cli import main
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.recording import (JointSample, Recording, RecordingWriter,
+                                           TemperatureSample)
+from hand_load_estimator.recording_check import check_recording
+from hand_load_estimator.robot import load_robot, Robot
+from hand_load_estimator.robot_file import parse_robot
+from hand_load_estimator.shared_files import find_shared
+import numpy as np
+import pinocchio as pin
+import pytest
+
+DATA = Path(os.environ.get('HAND_LOAD_DATA', Path(__file__).parents[2] / 'shared' / 'data'))
+RATE = 100.0
+CENTRE = np.array([0.3, -1.4, 1.0, -1.2, -1.4, 0.2])
+FRICTION, VISCOUS = (np.array([9.0, 9.0, 5.0, 2.0, 2.0, 2.0]) * k for k in (1.0, 1.2))
+
+
+@pytest.fixture(scope='module')
+def robot():
+    return load_robot(find_shared('ur10e', 'robots'))
+
+
+@pytest.fixture(scope='module')
+def motion():
+    random = np.random.default_rng(4)
+    t = np.arange(0.0, 24.0, 1.0 / RATE)
+    q, v, a = (np.zeros((len(t), 6)) for _ in range(3))
+    for k in range(1, 6):
+        w = 2.0 * np.pi * 0.07 * k
+        size, phase = random.uniform(0.1, 0.35, 6), random.uniform(0.0, 6.3, 6)
+        q += size * np.sin(w * t[:, None] + phase)
+        v += size * w * np.cos(w * t[:, None] + phase)
+        a -= size * w * w * np.sin(w * t[:, None] + phase)
+    return t, q + CENTRE, v, a
+
+
+def torque(robot, motion, gravity=None, load=None, friction=1.0):
+    _, q, v, a = motion
+    model = pin.Model(robot.model)
+    if gravity is not None:
+        model.gravity.linear = np.array(gravity)
+    data = model.createData()
+    tau = np.array([pin.rnea(model, data, *sample).copy() for sample in zip(q, v, a)])
+    if load is not None:
+        tau += np.array([robot.load_regressor(*s) @ load.to_products() for s in zip(q, v, a)])
+    noise = np.random.default_rng(0).standard_normal(q.shape) * [1.2, 1.2, 0.9, 0.35, 0.35, 0.35]
+    return tau + friction * (FRICTION * np.tanh(v / 0.01) + VISCOUS * v) + noise
+
+
+def recording(robot, motion, effort, load=None, known=(), temperature=30.0, names=None):
+    t, q, v, _ = motion
+    samples = []
+    for k, stamp in enumerate(t):
+        samples.append(JointSample(stamp, names or robot.joints, q[k], v[k], effort[k]))
+        if k % 10 == 0 and temperature is not None:
+            samples += [TemperatureSample(stamp, joint, temperature) for joint in robot.joints]
+    return Recording(Path('made'), samples, load, known)
+
+
+def verdicts(robot, made):
+    return {f.item: f.verdict for f in check_recording(made, robot).findings}
+
+
+def only(found, **expected):
+    """Assert the verdicts named, with spaces for underscores, and ok for all others."""
+    wanted = {name.replace('_', ' '): verdict for name, verdict in expected.items()}
+    assert wanted.keys() <= found.keys()
+    assert {k: v for k, v in found.items() if v != 'ok'} == wanted
+
+
+def changed_robot(robot, **changes):
+    return Robot(parse_robot({**robot.file.content, **changes}, 'changed'))
+
+
+def test_a_good_recording_is_ok(robot, motion):
+    check = check_recording(recording(robot, motion, torque(robot, motion)), robot)
+    only({f.item: f.verdict for f in check.findings})
+    # Gains of the joints that carry weight come out as 1, friction as it was put in.
+    assert check.joints['shoulder_lift_joint']['gain'] == pytest.approx(1.0, abs=0.02)
+    speed = np.abs(motion[2][:, 1]).mean()
+    assert check.joints['shoulder_lift_joint']['friction'] == pytest.approx(
+        FRICTION[1] + VISCOUS[1] * speed, rel=0.1)
+
+
+def test_amperes_taken_for_newton_metres(robot, motion):
+    found = verdicts(robot, recording(robot, motion, torque(robot, motion) / 11.0))
+    only(found, effort_unit='wrong')
+
+
+def test_newton_metres_taken_for_amperes(robot, motion):
+    current = load_robot(find_shared('ur10e_current', 'robots'))
+    found = verdicts(current, recording(robot, motion, torque(robot, motion)))
+    assert found['effort unit'] == 'wrong'
+    assert found['saturation'] == 'doubt'
+
+
+def test_one_reversed_joint(robot, motion):
+    effort = torque(robot, motion)
+    effort[:, 2] *= -1.0
+    check = check_recording(recording(robot, motion, effort), robot)
+    sign, = [f for f in check.findings if f.item == 'effort sign']
+    assert sign.verdict == 'wrong'
+    assert sign.text.endswith('elbow_joint')
+
+
+def test_all_joints_reversed_is_not_taken_for_a_ceiling(robot, motion):
+    found = verdicts(robot, recording(robot, motion, -torque(robot, motion)))
+    assert found['effort sign'] == 'wrong'
+    assert found['gravity'] == 'ok'
+
+
+@pytest.mark.parametrize('gravity', [[0.0, 0.0, 9.81], [9.81, 0.0, 0.0], [0.0, -6.94, -6.94]])
+def test_mounting_is_found(robot, motion, gravity):
+    made = recording(robot, motion, torque(robot, motion, gravity))
+    finding, = [f for f in check_recording(made, robot).findings if f.item == 'gravity']
+    assert finding.verdict == 'wrong'
+    fitted = json.loads(finding.text.split('fitted ')[1])
+    assert fitted == pytest.approx(gravity, abs=0.3)
+    assert verdicts(changed_robot(robot, gravity=gravity), made)['gravity'] == 'ok'
+
+
+def test_a_small_tilt_is_a_doubt(robot, motion):
+    tilt = np.radians(8.0)
+    gravity = [9.81 * np.sin(tilt), 0.0, -9.81 * np.cos(tilt)]
+    found = verdicts(robot, recording(robot, motion, torque(robot, motion, gravity)))
+    assert found['gravity'] == 'doubt'
+
+
+@pytest.mark.parametrize('late, verdict', [(0.0, 'ok'), (0.03, 'doubt'), (0.08, 'wrong')])
+def test_delay(robot, motion, late, verdict):
+    effort = np.roll(torque(robot, motion), int(late * RATE), axis=0)
+    made = recording(robot, motion, effort)
+    finding, = [f for f in check_recording(made, robot).findings if f.item == 'delay']
+    assert finding.verdict == verdict
+    assert float(finding.text.split()[1]) == pytest.approx(1e3 * late, abs=5.0)
+
+
+def test_effort_without_gravity(robot, motion):
+    effort = torque(robot, motion) - torque(robot, motion, friction=0.0) \
+        + torque(robot, motion, [0.0, 0.0, 0.0], friction=0.0)
+    found = verdicts(robot, recording(robot, motion, effort))
+    assert found['compensation'] == 'wrong'
+    assert found['effort unit'] == 'wrong'
+
+
+LOAD = LoadParameters(8.0, [0.0, 0.02, 0.1], 0.03 * np.eye(3))
+
+
+def test_load_is_seen_missed_or_not_stated(robot, motion):
+    loaded, bare = torque(robot, motion, load=LOAD), torque(robot, motion)
+    known = ('mass', 'com', 'inertia')
+    only(verdicts(robot, recording(robot, motion, loaded, LOAD, known)))
+    only(verdicts(robot, recording(robot, motion, bare, LoadParameters(), known)))
+    assert verdicts(robot, recording(robot, motion, bare, LOAD, known))['load'] == 'wrong'
+    assert verdicts(robot, recording(robot, motion, loaded))['load'] == 'doubt'
+    check = check_recording(recording(robot, motion, loaded), robot)
+    text, = [f.text for f in check.findings if f.item == 'load']
+    assert float(text.split('looks like ')[1].split()[0]) == pytest.approx(8.0, abs=0.5)
+
+
+def test_link_torque_needs_no_friction(robot, motion):
+    effort = {'kind': 'link_torque', 'includes_configured_load': False}
+    made = recording(robot, motion, torque(robot, motion, friction=0.0))
+    only(verdicts(changed_robot(robot, effort=effort), made))
+
+
+@pytest.mark.parametrize('temperature, item', [
+    (303.0, 'temperature unit'), (0.0, 'temperature unit'), (np.nan, 'temperature unit'),
+    (120.0, 'temperature unit')])
+def test_implausible_temperatures(robot, motion, temperature, item):
+    made = recording(robot, motion, torque(robot, motion), temperature=temperature)
+    only(verdicts(robot, made), **{item.replace(' ', '_'): 'wrong'})
+
+
+def test_fahrenheit_and_none_are_doubts(robot, motion):
+    effort = torque(robot, motion)
+    only(verdicts(robot, recording(robot, motion, effort, temperature=86.0)),
+         temperature_unit='doubt')
+    only(verdicts(robot, recording(robot, motion, effort, temperature=None)),
+         temperatures='doubt')
+
+
+def test_degrees_and_wrong_velocity(robot, motion):
+    t, q, v, a = motion
+    effort = torque(robot, motion)
+    degrees = verdicts(robot, recording(robot, (t, np.degrees(q), np.degrees(v), a), effort))
+    assert degrees['position'] == 'wrong'
+    for wrong in (np.degrees(v), -v):
+        found = verdicts(robot, recording(robot, (t, q, wrong, a), effort))
+        assert found['velocity'] == 'wrong'
+
+
+def test_gaps_and_stamps(robot, motion):
+    t, q, v, a = motion
+    effort, late = torque(robot, motion), t.copy()
+    late[1000:] += 0.7
+    assert verdicts(robot, recording(robot, (late, q, v, a), effort))['gaps'] == 'doubt'
+    back = t.copy()
+    back[500], back[700] = back[498], back[699]
+    assert verdicts(robot, recording(robot, (back, q, v, a), effort))['order'] == 'doubt'
+    same = np.zeros_like(t)
+    assert verdicts(robot, recording(robot, (same, q, v, a), effort))['rate'] == 'wrong'
+
+
+def test_repeated_states(robot, motion):
+    hold = np.arange(len(motion[0])) // 2 * 2
+    twice = tuple(x[hold] for x in motion[1:])
+    made = recording(robot, (motion[0], *twice), torque(robot, motion)[hold])
+    assert verdicts(robot, made)['updates'] == 'doubt'
+
+
+def test_other_joints_only(robot, motion):
+    names = tuple('xyzuvw')
+    found = verdicts(robot, recording(robot, motion, torque(robot, motion), names=names))
+    assert found['joints'] == 'wrong'
+    assert 'effort unit' not in found
+
+
+@pytest.mark.parametrize('broken', ['nan', 'no effort', 'no velocity', 'still', 'short', 'empty'])
+def test_odd_data_never_raises(robot, motion, broken):
+    t, q, v, a = (x[:1200].copy() for x in motion)
+    effort = torque(robot, (t, q, v, a))
+    if broken == 'nan':
+        q[100:200, 2], effort[500:520] = np.nan, np.nan
+    elif broken == 'no effort':
+        effort[:] = np.nan
+    elif broken == 'no velocity':
+        v[:] = np.nan
+    elif broken == 'still':
+        q[:], v[:] = q[0], 0.0
+    else:
+        keep = 30 if broken == 'short' else 0
+        t, q, v, effort = t[:keep], q[:keep], v[:keep], effort[:keep]
+    found = verdicts(robot, recording(robot, (t, q, v, a), effort))
+    assert any(verdict != 'ok' for verdict in found.values())
+
+
+def test_command_prints_table_and_json(robot, motion, tmp_path, capsys):
+    made = recording(robot, motion, torque(robot, motion))
+    with RecordingWriter(tmp_path / 'bag') as writer:
+        for sample in made.samples:
+            writer.write(sample)
+    assert main(['check', str(tmp_path / 'bag'), '--robot', 'ur10e']) == 0
+    table = capsys.readouterr().out
+    assert 'effort unit' in table and 'elbow_joint' in table
+    assert main(['check', str(tmp_path / 'bag'), '--robot', 'ur10e', '--json']) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer['schema'] == 'hand_load/check/1'
+    assert {f['verdict'] for f in answer['findings']} == {'ok'}
+    assert main(['check', str(tmp_path / 'bag'), '--robot', 'ur10e', '--joint-states', 'x']) == 2
+
+
+real = pytest.mark.skipif(not (DATA / 'ur10e').is_dir(), reason=f'no recordings at {DATA}')
+
+
+@real
+@pytest.mark.parametrize('run', ['ident_20_02_12-50sec_12harm', 'ident_20_01_13-load_2600',
+                                 'valid_20_01_17-ptp_10_points', 'ident_19_09_27-11_28_22'])
+def test_real_arm_in_amperes(run, capsys):
+    path = str(DATA / 'ur10e' / run)
+    assert main(['check', path, '--robot', 'ur10e_current', '--json']) == 0
+    found = {f['item']: f['verdict'] for f in json.loads(capsys.readouterr().out)['findings']}
+    only(found, temperatures='doubt')
+    assert main(['check', path, '--robot', 'ur10e', '--json']) == 0
+    found = {f['item']: f['verdict'] for f in json.loads(capsys.readouterr().out)['findings']}
+    only(found, temperatures='doubt', effort_unit='wrong')
+
+
+@real
+def test_real_arm_standing_cannot_tell(capsys):
+    assert main(['check', str(DATA / 'ur10e' / 'valid_20_01_17-p3'), '--robot', 'ur10e_current',
+                 '--json']) == 0
+    found = {f['item']: f['verdict'] for f in json.loads(capsys.readouterr().out)['findings']}
+    assert found['effort unit'] == found['motion'] == 'cannot tell'

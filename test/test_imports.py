@@ -1,0 +1,128 @@
+"""The rooms of DESIGN section 2 import only what they may; read from the source, not by running."""
+
+import ast
+from pathlib import PurePosixPath
+
+import pytest
+from ros_helpers import ROOT
+
+PACKAGE = 'hand_load_estimator'
+ROS = {'rclpy', 'rosgraph_msgs', 'builtin_interfaces', 'rcl_interfaces', 'std_msgs', 'std_srvs',
+       'sensor_msgs', 'geometry_msgs', 'trajectory_msgs', 'diagnostic_msgs', 'control_msgs',
+       'visualization_msgs'}
+# What plant/ may know of the package: the load, the robot, and how files and errors are told.
+KNOWN_TO_PLANT = {'load', 'load_file', 'robot', 'robot_file', 'configuration', 'errors'}
+USERS_OF_PLANT = ('plant/', 'benchmark/', 'nodes/simulator', 'simulate', 'commands/simulate',
+                  'commands/benchmark')
+
+
+def module_of(path):
+    """Return the dotted name of a source file."""
+    parts = path.relative_to(ROOT).with_suffix('').parts
+    return '.'.join(parts[:-1] if parts[-1] == '__init__' else parts)
+
+
+SOURCES = {module_of(path): path for path in sorted((ROOT / PACKAGE).rglob('*.py'))}
+
+
+def imports_of(name):
+    """Return the absolute dotted names a module imports, anywhere in its text."""
+    path, found = SOURCES[name], set()
+    package = name if path.name == '__init__.py' else name.rpartition('.')[0]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ''
+            if node.level:
+                up = package.split('.')[:len(package.split('.')) - node.level + 1]
+                base = '.'.join([*up, *filter(None, [node.module])])
+            found.add(base)
+            found.update(f'{base}.{alias.name}' for alias in node.names)
+    return found
+
+
+IMPORTS = {name: imports_of(name) for name in SOURCES}
+
+
+def room(name):
+    """Return a module's place below the package, with a slash for its folder."""
+    path = SOURCES[name].relative_to(ROOT / PACKAGE).with_suffix('')
+    return str(PurePosixPath(path))
+
+
+def importers(package):
+    """Return the places that import a top-level package."""
+    return {room(name) for name, found in IMPORTS.items()
+            if any(f.split('.')[0] == package for f in found)}
+
+
+def reached_from(name):
+    """Return all modules of the package that importing a module brings in."""
+    reached, todo = set(), [name]
+    while todo:
+        current = todo.pop()
+        if current in reached or current not in SOURCES:
+            continue
+        reached.add(current)
+        todo.extend(IMPORTS[current])
+        todo.extend('.'.join(current.split('.')[:k]) for k in range(1, current.count('.') + 1))
+    return reached
+
+
+def test_the_reader_sees_imports():
+    """Were the sources not found or not read, the rules below would hold of nothing."""
+    assert f'{PACKAGE}.nodes.estimator_node' in SOURCES
+    assert 'rclpy.node' in IMPORTS[f'{PACKAGE}.nodes.estimator_node']
+    assert f'{PACKAGE}.load' in reached_from(f'{PACKAGE}.nodes.estimator_node')
+    assert importers('mujoco')
+
+
+@pytest.mark.parametrize('package', sorted(ROS))
+def test_ros_only_in_nodes(package):
+    assert all(place.startswith('nodes/') for place in importers(package))
+
+
+def test_mujoco_only_in_plant_and_benchmark():
+    assert all(place.startswith(('plant/', 'benchmark/')) for place in importers('mujoco'))
+
+
+def test_torch_only_where_networks_are_trained_or_run():
+    assert all(place.startswith(('learning/', 'estimators/', 'benchmark/'))
+               for place in importers('torch'))
+
+
+def test_plant_is_imported_only_by_who_simulates():
+    for name, found in IMPORTS.items():
+        if any(f == f'{PACKAGE}.plant' or f.startswith(f'{PACKAGE}.plant.') for f in found):
+            assert room(name).startswith(USERS_OF_PLANT), name
+
+
+def test_plant_knows_only_load_and_robot():
+    for name in SOURCES:
+        if not room(name).startswith('plant/'):
+            continue
+        own = {f.split('.')[1] for f in IMPORTS[name]
+               if f.startswith(f'{PACKAGE}.') and not f.startswith(f'{PACKAGE}.plant')}
+        assert own <= KNOWN_TO_PLANT, name
+
+
+@pytest.mark.parametrize('start', [
+    'nodes.estimator_node', 'nodes.controller_node', 'estimators.pipeline', 'torque_model',
+    'commands.estimate', 'commands.identify', 'commands.train'])
+def test_what_estimates_and_learns_never_reaches_the_plant(start):
+    reached = reached_from(f'{PACKAGE}.{start}')
+    assert f'{PACKAGE}.{start}' in reached, 'the module is not there'
+    assert not [name for name in reached if name.startswith(f'{PACKAGE}.plant')]
+
+
+def test_training_never_reaches_the_plant():
+    rooms = [name for name in SOURCES if room(name).startswith(('learning/', 'effects/'))]
+    assert rooms
+    for name in rooms:
+        assert not [r for r in reached_from(name) if r.startswith(f'{PACKAGE}.plant')], name
+
+
+def test_nothing_is_pickled():
+    for package in ('pickle', 'cPickle', 'dill', 'joblib', 'shelve'):
+        assert not importers(package)

@@ -1,0 +1,179 @@
+"""The same tree installs with pip, builds with colcon, and the built executables run."""
+
+import ast
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from ros_helpers import ROOT, Listener, NodeProcess, free_domain, node_environment
+from sensor_msgs.msg import JointState
+from test_imports import IMPORTS, PACKAGE, ROS
+
+from hand_load_estimator.nodes.qos import OUTPUT, measurement
+
+EXECUTABLES = ('simulator_node', 'estimator_node', 'controller_node', 'hand_load')
+# Import name -> rosdep key, where they differ.
+KEYS = {'yaml': 'python3-yaml', 'numpy': 'python3-numpy', 'scipy': 'python3-scipy',
+        'matplotlib': 'python3-matplotlib', 'torch': 'python3-pytorch-pip',
+        'mujoco': 'python3-mujoco-pip', 'rosbags': 'python3-rosbags-pip',
+        'safetensors': 'python3-safetensors-pip'}
+OPTIONAL = {'control_msgs'}
+
+
+def copy_tree(target):
+    """Copy what belongs to the package, and nothing that was built."""
+    shutil.copytree(ROOT, target, ignore=shutil.ignore_patterns(
+        '.git', '.venv', '__pycache__', 'build', 'install', 'log', 'out', '*.egg-info',
+        '.pytest_cache'))
+    return target
+
+
+def clean_environment():
+    """Return an environment in which this source tree is not on the path."""
+    return {key: value for key, value in os.environ.items()
+            if key not in ('PYTHONPATH', 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH')}
+
+
+@pytest.fixture(scope='module')
+def workspace(tmp_path_factory):
+    """Return the install prefix of a real colcon build."""
+    folder = tmp_path_factory.mktemp('workspace')
+    copy_tree(folder / 'src' / PACKAGE)
+    colcon = Path(sys.executable).parent / 'colcon'
+    built = subprocess.run([colcon, '--log-base', 'log', 'build'], cwd=folder, text=True,
+                           capture_output=True, env=clean_environment())
+    assert built.returncode == 0, built.stdout + built.stderr
+    return folder / 'install' / PACKAGE
+
+
+@pytest.fixture(scope='module')
+def pip_prefix(tmp_path_factory):
+    """Return the prefix of a real pip installation; the wheels it needs are here already."""
+    folder = tmp_path_factory.mktemp('pip')
+    source = copy_tree(folder / 'source')
+    subprocess.run([sys.executable, '-m', 'pip', 'install', '--quiet', '--no-deps', '--no-index',
+                    '--no-build-isolation', '--ignore-installed', '--prefix', folder / 'prefix',
+                    source], check=True, env=clean_environment())
+    return folder / 'prefix'
+
+
+def site_packages(prefix):
+    """Return the folder of a prefix that Python imports from."""
+    (found,) = prefix.glob('lib/python3.*/site-packages')
+    return found
+
+
+def test_colcon_installs_executables_marker_and_shared_files(workspace):
+    share = workspace / 'share' / PACKAGE
+    for name in EXECUTABLES:
+        assert os.access(workspace / 'lib' / PACKAGE / name, os.X_OK), name
+    assert (workspace / 'share/ament_index/resource_index/packages' / PACKAGE).is_file()
+    assert (share / 'package.xml').is_file()
+    for folder in ('config', 'launch'):
+        here = {p.relative_to(ROOT) for p in (ROOT / folder).rglob('*')
+                if p.is_file() and '__pycache__' not in p.parts}
+        there = {p.relative_to(share) for p in (share / folder).rglob('*') if p.is_file()}
+        assert here == there and here, folder
+
+
+@pytest.mark.parametrize('prefix', ['workspace', 'pip_prefix'])
+def test_installed_code_finds_its_shared_files(prefix, request):
+    prefix = request.getfixturevalue(prefix)
+    code = ('import hand_load_estimator as h; from hand_load_estimator.shared_files import '
+            'find_shared; print(h.__file__); print(find_shared("ur10e", "robots"))')
+    said = subprocess.run(
+        [sys.executable, '-c', code], text=True, capture_output=True, cwd='/', check=True,
+        env={**clean_environment(), 'PYTHONPATH': str(site_packages(prefix))}).stdout.split()
+    assert said == [str(site_packages(prefix) / PACKAGE / '__init__.py'),
+                    str(prefix / 'share' / PACKAGE / 'config/robots/ur10e.yaml')]
+
+
+def test_pip_installs_entry_points_and_they_answer(pip_prefix):
+    for name in EXECUTABLES:
+        assert os.access(pip_prefix / 'bin' / name, os.X_OK), name
+    said = subprocess.run(
+        [pip_prefix / 'bin' / 'hand_load', '--help'], text=True, capture_output=True, check=True,
+        cwd='/', env={**clean_environment(), 'PYTHONPATH': str(site_packages(pip_prefix))}).stdout
+    assert 'demo' in said and 'estimate' in said
+
+
+def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
+    """What `ros2 run` would start: all three on one domain, then SIGTERM or Ctrl-C, exit code 0."""
+    with free_domain() as domain, Listener(domain) as listener:
+        joint_states = listener.listen(JointState, '/joint_states', measurement(1000))
+        diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
+        environment = {**clean_environment(), **{
+            key: value for key, value in node_environment(domain).items() if key != 'PYTHONPATH'},
+            'PYTHONPATH': str(site_packages(workspace)), 'AMENT_PREFIX_PATH': str(workspace)}
+        nodes = {name: NodeProcess(
+            workspace / 'lib' / PACKAGE / f'{name}_node', domain, environment=environment,
+            arguments=['--ros-args', '--params-file',
+                       workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
+            for name in ('simulator', 'estimator', 'controller')}
+        try:
+            def speaking():
+                return {status.name.split(':')[0].split('/')[-1]
+                        for message in diagnostics for status in message.status}
+            listener.until(lambda: joint_states and speaking() >= set(nodes), 40.0,
+                           'a joint state and diagnostics of every node')
+            signals = (signal.SIGTERM, signal.SIGINT, signal.SIGTERM)
+            codes = {name: node.stop(number) for (name, node), number
+                     in zip(reversed(nodes.items()), signals)}
+            said = '\n'.join(node.output for node in nodes.values())
+            assert codes == dict.fromkeys(nodes, 0), said
+            assert 'Traceback' not in said
+        finally:
+            for node in nodes.values():
+                node.kill()
+
+
+def test_package_xml_names_every_run_time_import():
+    package = ElementTree.parse(ROOT / 'package.xml').getroot()
+    assert package.get('format') == '3'
+    assert package.findtext('export/build_type') == 'ament_python'
+    declared = {element.text for element in package.findall('exec_depend')}
+    imported = {found.split('.')[0] for names in IMPORTS.values() for found in names}
+    third_party = imported - set(sys.stdlib_module_names) - {PACKAGE, ''} - OPTIONAL
+    assert {'numpy', 'rclpy'} <= third_party
+    assert {KEYS.get(name, name) for name in third_party} <= declared
+    assert ROS - OPTIONAL <= declared
+
+
+def test_setup_asks_for_the_wheels_requirements_pin():
+    source = (ROOT / 'setup.py').read_text()
+    pinned = [line.split('==')[0].split('[')[0] for line in
+              (ROOT / 'requirements.txt').read_text().splitlines() if '==' in line]
+    assert len(pinned) > 8
+    for name in pinned:
+        assert f"'{name}" in source or name == 'setuptools', name
+
+
+def test_launch_file_declares_what_it_uses():
+    """`launch` is not a wheel, so the file is read, not run: names used are names declared."""
+    tree = ast.parse((ROOT / 'launch' / 'hand_load.launch.py').read_text())
+    functions = [node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    assert 'generate_launch_description' in functions
+    called = [node for node in ast.walk(tree) if isinstance(node, ast.Call)
+              and isinstance(node.func, ast.Name)]
+    declared = {node.args[0].value for node in called if node.func.id in ('_argument', '_switch')
+                and isinstance(node.args[0], ast.Constant)}
+    used = {node.args[0].value for node in called if node.func.id == 'LaunchConfiguration'
+            and isinstance(node.args[0], ast.Constant)}
+    assert used == declared
+    assert {'robot', 'namespace', 'use_sim_time', 'record'} <= declared
+    nodes = {node.args[0].value for node in called if node.func.id == '_node'
+             and isinstance(node.args[0], ast.Constant)}
+    assert nodes == {'simulator', 'estimator', 'controller'}
+
+
+def test_scripts_run_in_bash_and_are_executable():
+    for script in ('scripts/demo', 'scripts/test', '.ci/run'):
+        assert os.access(ROOT / script, os.X_OK), script
+    for script in ('scripts/demo', 'scripts/test', 'scripts/environment', '.ci/run'):
+        subprocess.run(['bash', '-n', ROOT / script], check=True)
