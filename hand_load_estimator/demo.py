@@ -115,36 +115,60 @@ def _yaml(value):
     return f"'{value}'" if isinstance(value, str) else str(value).lower()
 
 
+@dataclass(frozen=True)
+class Carried:
+    """The end of the way with the load: mean, variance, truth (10,) in message order; status."""
+
+    mean: np.ndarray
+    variance: np.ndarray
+    truth: np.ndarray
+    status: str
+    method: str
+
+
 class Demo:
     """Follows the controller's phases, closes and opens the hand, keeps what was carried."""
 
     def __init__(self, observer, processes, table):
         self._observer, self._processes, self._table = observer, processes, table
+        self._seen = 0
         self.carried = None
 
     def run(self):
         """Run to the end of the cycle; raises DemoError when it does not come."""
-        phase, since, ended = None, time.monotonic(), None
+        changed, ended = time.monotonic(), None
         while ended is None or time.monotonic() - ended < _AFTER:
             self._observer.spin(_PERIOD)
             self._processes.check()
             self._table.show(self._observer)
-            if self._observer.phase != phase:
-                phase, since = self._observer.phase, time.monotonic()
-                self._entered(phase)
-            if ended is None and phase == 'done':
-                ended = time.monotonic()
-            if phase == 'stopped':
-                raise DemoError('the controller stopped the arm; see controller.log')
-            if ended is None and time.monotonic() - since > _LATE:
+            if self._observer.refusal:
+                raise DemoError(f'the simulator refused: {self._observer.refusal}')
+            # All of them, not only the last: a short phase must not be missed.
+            for _, phase in self._observer.series['phase'][self._seen:]:
+                self._seen, changed = self._seen + 1, time.monotonic()
+                self._enter(phase)
+                ended = changed if phase == 'done' else ended
+            if ended is None and time.monotonic() - changed > _LATE:
                 raise DemoError(f'nothing has happened for {_LATE:g} s in phase '
-                                f'{phase or "before the start"}; see the logs')
+                                f'{self._observer.phase or "before the start"}; '
+                                f'see {self._processes.log("controller")}')
+        if self.carried is None:
+            raise DemoError('nothing was carried')
 
-    def _entered(self, phase):
-        observer = self._observer
+    def _enter(self, phase):
+        if phase == 'stopped':
+            raise DemoError('the controller stopped the arm; see '
+                            f'{self._processes.log("controller")}')
         if phase == 'at_pick':
-            observer.hold(True)
+            self._observer.hold(True)
         elif phase == 'at_place':
-            self.carried = (observer.last('load'), observer.last('variance'),
-                            observer.last('truth'), observer.last('status'))
-            observer.hold(False)
+            self._keep()
+            self._observer.hold(False)
+
+    def _keep(self):
+        last = [self._observer.last(name) for name in ('load', 'variance', 'truth', 'status')]
+        if any(value is None for value in last):
+            raise DemoError(f'the estimator has said nothing; see '
+                            f'{self._processes.log("estimator")}')
+        status, values = last[3]
+        self.carried = Carried(*last[:3], status, values.get('method', ''))

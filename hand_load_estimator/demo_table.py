@@ -1,5 +1,6 @@
 """The demo's live table: what the estimator believes, and what the controller makes of it."""
 
+import shutil
 import sys
 import time
 
@@ -55,9 +56,10 @@ class LiveTable:
             print(plain_line(observer), file=self._out, flush=True)
 
     def _redraw(self, lines):
+        width = shutil.get_terminal_size().columns - 1
         # Up to the first line of the last table, then each line anew and its rest cleared.
         up = f'\x1b[{self._height}A' if self._height else ''
         self._height = max(self._height, len(lines))
         lines = lines + [''] * (self._height - len(lines))
-        self._out.write(up + ''.join(f'\x1b[2K{line}\n' for line in lines))
+        self._out.write(up + ''.join(f'\x1b[2K{line[:width]}\n' for line in lines))
         self._out.flush()

@@ -77,12 +77,14 @@ class TorqueModel:
         return presliding_distances(self.robot.n, self.uses)
 
     def friction_level(self):
-        """Return the Coulomb level (n,) [Nm] at the reference temperature."""
-        level = np.zeros(self.robot.n)
+        """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""
+        coulomb, stribeck = np.zeros(self.robot.n), np.zeros(self.robot.n)
         for use, columns in self.slices():
-            if use.name in ('coulomb_friction', 'stribeck_friction'):
-                level[use.joint] += abs(self.mean[columns.start])
-        return level
+            if use.name == 'coulomb_friction':
+                coulomb[use.joint] = self.mean[columns.start]
+            elif use.name == 'stribeck_friction':
+                stribeck[use.joint] = self.mean[columns.start]
+        return np.maximum(np.abs(coulomb), np.abs(coulomb + stribeck))
 
     def slices(self):
         """Return (EffectUse, slice of x) pairs."""

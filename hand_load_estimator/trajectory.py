@@ -1,4 +1,4 @@
-"""A joint trajectory: knots joined by quintic Hermite pieces, as ros2_control's controller does."""
+"""A joint trajectory: knots joined by quintic Hermite pieces, as ros2_control joins them."""
 
 import csv
 from dataclasses import dataclass

@@ -124,10 +124,17 @@ class Listener:
             self._executor.spin_once(timeout_sec=0.02)
 
     def call(self, kind, service, request, timeout=10.0):
-        """Return the response of a service."""
+        """Return the response of a service; asked again when no answer comes (all may be)."""
         client = self.node.create_client(kind, service)
         self.until(client.service_is_ready, timeout, f'service {service}')
-        future = client.call_async(request)
-        self.until(future.done, timeout, f'an answer of {service}')
+        # An answer is lost when the server has not discovered the new client yet.
+        for patience in (3.0, timeout):
+            future = client.call_async(request)
+            try:
+                self.until(future.done, patience, f'an answer of {service}')
+                break
+            except AssertionError:
+                if patience == timeout:
+                    raise
         self.node.destroy_client(client)
         return future.result()

@@ -59,7 +59,7 @@ def test_a_resting_joint_may_hold_its_friction():
     assert np.all(rest.threshold - moving.threshold > 1.9 * MODEL.coulomb)
 
 
-def run(load_belief, vector, push=None, noise=1.0, seed=0):
+def run(load_belief, vector, push=None, seed=0):
     """Return the detector after PICK -> PLACE with a true load and a push [Nm] after 0.5 s."""
     rng, detector = np.random.default_rng(seed), CollisionDetector(SETTINGS)
     move = MovePlanner(MODEL).plan(PICK, PLACE, load_belief, WARM)
@@ -69,7 +69,7 @@ def run(load_belief, vector, push=None, noise=1.0, seed=0):
         detector.record(t, *CALCULATION.at(*state, load_belief, WARM))
         # The estimator's residual is late by its filter.
         late = [x[0] for x in move.points([max(0.0, t - 0.03)])]
-        residual = MODEL.load_regressor(*late) @ products + noise * MODEL.noise * rng.normal(size=6)
+        residual = MODEL.load_regressor(*late) @ products + MODEL.noise * rng.normal(size=6)
         if push is not None and t > 0.5:
             residual = residual + push
         if detector.check(t, residual):

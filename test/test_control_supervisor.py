@@ -11,6 +11,7 @@ from hand_load_estimator.control.acceleration_limits import PlanSettings
 from hand_load_estimator.control.pick_place import PHASES
 from hand_load_estimator.control.supervisor import CycleSettings, Supervisor
 from hand_load_estimator.load import products_from_message
+from hand_load_estimator.trajectory import Trajectory
 
 MODEL = FakeModel(agility=3.0)
 WAYPOINTS = {'home': HOME, 'pick': FAR_PICK, 'place': FAR_PLACE}
@@ -158,6 +159,15 @@ def test_nothing_moves_before_joint_states_and_a_listener():
     assert cell.arm.taken == 0 and cell.supervisor.counts['motions'] == 0
     cell.ready = True
     assert cell.run(2.0, lambda c: c.arm.taken == 1)
+
+
+def test_an_arm_that_somebody_else_still_moves_is_waited_for():
+    cell = Cell(start=HOME + 0.4)
+    swing = Trajectory([0.0, 2.0], [HOME + 0.4, HOME], np.zeros((2, 6)), np.zeros((2, 6)))
+    cell.arm.take(swing, cell.now - 0.8)
+    cell.run(0.6)
+    assert cell.supervisor.counts['motions'] == 0
+    assert cell.run(10.0, lambda c: c.supervisor.phase == 'at_pick')
 
 
 def test_a_trajectory_that_was_lost_is_sent_again():

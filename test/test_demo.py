@@ -84,8 +84,9 @@ def test_picture_is_drawn(tmp_path):
 def test_dead_node_is_told_with_its_last_words(tmp_path):
     settings = DemoSettings('no_such_robot', 'lstm', 25.0, tmp_path)
     with NodeProcesses(settings, draw_load(1, RATED)) as processes:
-        for process in processes._processes.values():
-            process.wait(60.0)
+        end = time.monotonic() + 60.0
+        while None in processes.exit_codes().values() and time.monotonic() < end:
+            time.sleep(0.05)
         with pytest.raises(DemoError, match='simulator ended with status 2.*no_such_robot'):
             processes.check()
     assert set(processes.exit_codes().values()) == {2}

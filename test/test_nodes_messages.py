@@ -16,6 +16,7 @@ from hand_load_estimator.nodes.markers import equivalent_ellipsoid, estimate_mar
 from hand_load_estimator.nodes.pace import Pace
 from hand_load_estimator.nodes.stamps import StampBase, time_message
 from hand_load_estimator.nodes.temperature_input import temperatures_of
+from hand_load_estimator.nodes.throttle import Throttle
 
 
 def some_estimate(status='ESTIMATING', mass=2.0):
@@ -128,6 +129,16 @@ def test_pace_gives_up_time_it_cannot_catch_up_with():
         real += 0.01
     pace.count(real, simulated)
     assert pace.achieved == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize('rate, passed', [(50.0, 500), (25.0, 250), (1000.0, 500), (30.0, 300)])
+def test_throttle_keeps_the_rate_in_spite_of_jitter(rate, passed):
+    rng = np.random.default_rng(0)
+    throttle = Throttle(rate)
+    times = 7.0 + 0.02 * np.arange(500) + rng.uniform(-0.003, 0.003, 500)
+    assert abs(sum(throttle.due(t) for t in times) - passed) <= 2
+    assert throttle.due(1.0), 'a clock that goes back does not stop it'
+    assert not throttle.due(1.0 + 0.5 / rate)
 
 
 def test_temperatures_of_dynamic_joint_state():

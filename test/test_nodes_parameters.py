@@ -1,4 +1,4 @@
-"""Parameter tables: YAML, descriptors and refusals agree, and a wrong value ends with a sentence."""
+"""Parameter tables: YAML, descriptors, refusals agree; a wrong value ends with a sentence."""
 
 from importlib import import_module
 

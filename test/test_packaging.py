@@ -69,6 +69,12 @@ def site_packages(prefix):
     return found
 
 
+def test_every_folder_of_code_is_a_package():
+    """A folder without __init__.py works in the source tree and is missing when installed."""
+    folders = {path.parent for path in (ROOT / PACKAGE).rglob('*.py')}
+    assert [str(f) for f in folders if not (f / '__init__.py').is_file()] == []
+
+
 def test_colcon_installs_executables_marker_and_shared_files(workspace):
     share = workspace / 'share' / PACKAGE
     for name in EXECUTABLES:
@@ -104,7 +110,7 @@ def test_pip_installs_entry_points_and_they_answer(pip_prefix):
 
 
 def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
-    """What `ros2 run` would start: all three on one domain, then SIGTERM or Ctrl-C, exit code 0."""
+    """What `ros2 run` would start: all three on one domain, SIGTERM or Ctrl-C, exit code 0."""
     with free_domain() as domain, Listener(domain) as listener:
         joint_states = listener.listen(JointState, '/joint_states', measurement(1000))
         diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
@@ -120,8 +126,12 @@ def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
             def speaking():
                 return {status.name.split(':')[0].split('/')[-1]
                         for message in diagnostics for status in message.status}
-            listener.until(lambda: joint_states and speaking() >= set(nodes), 40.0,
-                           'a joint state and diagnostics of every node')
+
+            def all_speak():
+                for node in nodes.values():
+                    assert node.process.poll() is None, node.output
+                return joint_states and speaking() >= set(nodes)
+            listener.until(all_speak, 40.0, 'a joint state and diagnostics of every node')
             signals = (signal.SIGTERM, signal.SIGINT, signal.SIGTERM)
             codes = {name: node.stop(number) for (name, node), number
                      in zip(reversed(nodes.items()), signals)}

@@ -1,4 +1,4 @@
-"""Every hidden effect can be had, costs the torque its strength says, and is refused with sense."""
+"""Every hidden effect can be had, costs what its strength says, or is refused with sense."""
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.plant import Plant, read_effects
@@ -12,6 +12,8 @@ import pytest
 
 SEED = 1
 LISTED = ('shoulder_lift_joint', 'elbow_joint')
+# Teeth change sides only where the gear's torque changes sign, and J2 always carries the arm.
+LISTED_FOR = {'backlash': ('shoulder_pan_joint', 'elbow_joint')}
 DESIGN_NAMES = {
     'link_inertia', 'rotor_inertia', 'base_tilt', 'gravity_spring', 'cable_drag',
     'coulomb_friction', 'viscous_friction', 'friction_asymmetry', 'stribeck_friction',
@@ -27,7 +29,7 @@ def entry(name, strength):
     """Return an effects file's entry."""
     out = {'name': name, 'strength': strength}
     if EFFECTS[name].per_joint:
-        out['joints'] = list(LISTED)
+        out['joints'] = list(LISTED_FOR.get(name, LISTED))
     if name in ALWAYS:
         out['parameters'] = ALWAYS[name]
     return out
@@ -45,7 +47,7 @@ MOTION = reference()
 def reported(temperature, *entries):
     """Return the effort without noise (N, n) and the rigid torque of the motion that came out."""
     robot, motion = ur10e(), MOTION
-    plant = Plant(robot, seed=SEED, start_temperature=temperature, rate=500.0,
+    plant = Plant(robot, seed=SEED, start_temperature=temperature, rate=200.0,
                   effects=effects(robot, *entries), start_position=motion.q[0])
     rest = np.zeros(6)
     # From rest into the motion within half a second, and to rest at its end.
@@ -55,7 +57,7 @@ def reported(temperature, *entries):
     plant.set_trajectory(robot.joints, time, q, v, a)
     plant.step_until(1.0)
     effort, rigid = [], []
-    for _ in range(4500):
+    for _ in range(1800):
         plant.step()
         effort.append(plant.reported_effort())
         position, velocity, acceleration, _ = plant.state()
@@ -86,13 +88,14 @@ def test_the_names_of_the_design_are_all_there():
 
 @pytest.mark.parametrize('name', sorted(set(EFFECTS) - {'load_dependent_friction'}))
 def test_an_effect_changes_the_effort_by_strength_times_noise(name):
-    strength = 1.0 if name in ('backlash', 'stribeck_friction') else 2.0
+    strength = 1.0 if name == 'stribeck_friction' else 2.0
     over = change(name, strength)
     if EFFECTS[name].shared:
         assert np.max(over) == pytest.approx(strength, rel=0.2)
     else:
-        np.testing.assert_allclose(over[1:3], strength, rtol=0.2)
-        assert np.all(over[[0, 3, 4, 5]] < 0.2 * strength)
+        listed = np.isin(ur10e().joints, entry(name, strength)['joints'])
+        np.testing.assert_allclose(over[listed], strength, rtol=0.2)
+        assert np.all(over[~listed] < 0.2 * strength)
 
 
 def test_load_dependent_friction_changes_the_effort_by_strength_times_noise():
@@ -164,7 +167,7 @@ def test_effects_together_on_another_arm_stay_finite():
                   **({'joints': ['j0', 'j2']} if EFFECTS[name].per_joint
                      and name != 'backlash' else {}),
                   **({'joints': ['j1']} if name == 'backlash' else {})} for name in names)))
-    for k in range(10):
+    for k in range(6):
         goal = 0.4 * (-1.0) ** k * np.ones((1, 7))
         plant.set_trajectory(robot.joints, [0.5], goal, np.zeros((1, 7)), np.zeros((1, 7)))
         plant.step_until(0.5 * (k + 1))
@@ -181,7 +184,7 @@ REFUSED = {
     'both': ({'name': 'torque_ripple', 'strength': 1.0, 'parameters': {'torque': 1.0}},
              'not both'),
     'unknown parameter': ({'name': 'torque_ripple', 'parameters': {'torque': 1.0, 'x': 1.0}},
-                          'x'),
+                          'know x.*periods .per turn.'),
     'wrong count': ({'name': 'torque_ripple', 'joints': ['elbow_joint'],
                      'parameters': {'torque': [1.0, 2.0]}}, 'list of 1'),
     'negative strength': ({'name': 'torque_ripple', 'strength': -1.0}, 'strength'),

@@ -1,6 +1,8 @@
 """`hand_load demo`: the whole loop with a live table and a picture at the end."""
 
 import os
+import signal
+import sys
 import tempfile
 from pathlib import Path
 
@@ -35,10 +37,9 @@ def add_arguments(parser):
 
 def _summary(carried):
     """Return lines: the estimate while carrying beside the truth."""
-    mean, variance, truth, status = carried
-    std = np.sqrt(np.maximum(variance, 0.0))
+    mean, truth, std = carried.mean, carried.truth, np.sqrt(np.maximum(carried.variance, 0.0))
     rows = [('mass [kg]', 0, 1.0)] + [(f'centre {a} [mm]', k, 1e3) for k, a in enumerate('xyz', 1)]
-    lines = [f'before the load was put down ({status[0]}, {status[1].get("method", "")}):',
+    lines = [f'before the load was put down ({carried.status}, {carried.method}):',
              f'{"":<14}{"estimate":>10}{"2 sigma":>10}{"truth":>10}{"error":>10}']
     for name, k, scale in rows:
         lines.append(f'{name:<14}{scale * mean[k]:>10.3f}{2.0 * scale * std[k]:>10.3f}'
@@ -56,6 +57,8 @@ def run(args):
     except ImportError as error:
         raise ConfigurationError('demo', f'needs ROS 2 ({error})',
                                  todo='use scripts/demo, or source a ROS 2 Jazzy') from None
+    # The nodes must not outlive the demo, however it is ended.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     robot = load_robot(find_shared(args.robot, 'robots'))
     load = draw_load(args.seed, robot.rated_load)
     picture = Path(args.out)
@@ -68,6 +71,6 @@ def run(args):
         demo.run()
     print('\n'.join(_summary(demo.carried)))
     draw_demo(picture, observer.series, observer.joints,
-              f'{robot.name}, {args.method}, load {args.seed}')
+              f'{robot.name}, load {args.seed}, {demo.carried.method}')
     print(f'picture: {picture}')
     return 0

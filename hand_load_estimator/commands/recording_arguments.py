@@ -9,3 +9,8 @@ def add_recording_arguments(parser):
                         help='topic of the joint states (default: %(default)s)')
     parser.add_argument('--temperatures', metavar='TOPIC', default=TEMPERATURES,
                         help='topic of the joint temperatures (default: %(default)s)')
+
+
+def topics(args):
+    """Return the keyword arguments of read_recording that the command line gave."""
+    return {'joint_states': args.joint_states, 'temperatures': args.temperatures}

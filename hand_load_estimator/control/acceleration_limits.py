@@ -27,7 +27,8 @@ class PlanSettings:
     How cautiously moves are planned.
 
     sigma: standard deviations of the load's torque added on the safe side; rise_time [s]: in
-    which the configured acceleration builds up; speed_scale: share of the configured velocity in (0, 1].
+    which the configured acceleration builds up; speed_scale: share of the configured velocity
+    in (0, 1].
     """
 
     sigma: float = 3.0

@@ -27,7 +27,7 @@ class ThresholdSettings:
 
     margin: float = 6.0
     sigma: float = 3.0
-    inertia_share: float = 0.15
+    inertia_share: float = 0.2
     slow: float = 0.05
     debounce: int = 3
     delay: float = 0.06

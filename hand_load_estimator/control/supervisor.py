@@ -16,6 +16,7 @@ from .torque_use import TorqueUse
 _AT_GOAL = 0.02          # [rad] a position controller's static error is far below this
 _ON_PATH = 0.1           # [rad] nearer: the motion is being followed, and may be changed
 _OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not being followed
+_AT_REST = 0.1           # [rad/s] faster: somebody else still moves the arm
 _SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
 _INPUT_TIMEOUT = 0.5     # [s] without joint states while moving: stop
 _REPLAN_PERIOD = 0.15    # [s]
@@ -118,12 +119,17 @@ class Supervisor:
             return self._halt(now, self._describe_collision())
         if self._run is not None:
             return self._follow(now)
-        waiting = self._pause_until is not None and now < self._pause_until
-        stale = now - self._measured_at > _INPUT_TIMEOUT
-        if self._step is None or waiting or stale or not ready:
+        if self._step is None:
             return None
         self.phase = self._step.phase
-        return self._move(now) if self._step.target else self._dwell(now)
+        if not self._step.target:
+            return self._dwell(now)
+        return self._move(now) if ready and self._may_move(now) else None
+
+    def _may_move(self, now):
+        pausing = self._pause_until is not None and now < self._pause_until
+        stale = now - self._measured_at > _INPUT_TIMEOUT
+        return not pausing and not stale and np.max(np.abs(self._v)) < _AT_REST
 
     def _dwell(self, now):
         if self._dwell_until is None:

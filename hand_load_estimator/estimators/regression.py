@@ -20,15 +20,15 @@ class LoadRegression:
     Hold the information about the load, give posteriors, notice load changes.
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
-    standard deviation of the torque constants. changes counts load changes; last_change is the
-    stamp of the newest, or None.
+    standard deviation of the torque constants; watch: look for load changes. changes counts load changes; last_change is the
+    stamp of the newest, or None; kept: pieces of data kept at that change.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0):
-        self._prior, self._gain_doubt = prior, gain_doubt
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
+        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
         self._recent = RecentData(n, nuisances)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change = 0, None
+        self.changes, self.last_change, self.kept = 0, None, 0
         self.motion_time = 0.0
         self.posterior = self._solve()
 
@@ -39,7 +39,8 @@ class LoadRegression:
             self.motion_time += sample.dt
             self._recent.forget(np.exp(-sample.dt / MEMORY))
         difference = difference - columns[:, :10] @ self._zero
-        if self._recent.add(columns, difference, weights, sample.dt, moving):
+        if self._recent.add(columns, difference, weights, sample.dt, moving) \
+                and self._watch:
             self._look_for_change(sample.stamp)
 
     def update_posterior(self):
@@ -62,6 +63,11 @@ class LoadRegression:
         self._recent.clear()
         self._start, self.motion_time = self._prior.mean, 0.0
         self.posterior = self._solve()
+
+    def keep_recent(self, pieces):
+        """Drop all but the newest pieces of data: what came before was another load."""
+        self._recent.keep_last(pieces)
+        self._start = self._prior.mean
 
     def tare(self):
         """Declare the load held now zero; its uncertainty stays in every later estimate."""
@@ -86,10 +92,9 @@ class LoadRegression:
             older, recent = split
             mean, covariance = self._older_belief(older)
             if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
-                self._recent.keep_last(count)
-                self._start = self._prior.mean
+                self.keep_recent(count)
                 self.changes += 1
-                self.last_change = stamp
+                self.last_change, self.kept = stamp, count
                 return
 
     def _older_belief(self, older):

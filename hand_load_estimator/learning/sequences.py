@@ -36,8 +36,8 @@ class Sequence:
 
     motion (N, 3, n): q, v, a; difference (N, n) [Nm]; columns (N, n, d); warmth (N, n) [K],
     NaN without a sensor; z, doubt (N, n); load: message order (10,); begin: index of motion
-    start; density (N, n) [Nm^2 s] as ModelFollower states it; level, rmse (n,) [Nm]: friction
-    level and residual of the model in use.
+    start; density (N, n) [Nm^2 s] as ModelFollower states it; level, rmse (n,) [Nm],
+    intensity (n,) [Nm^2 s]: friction level and residual of the model in use.
     """
 
     motion: np.ndarray
@@ -51,6 +51,7 @@ class Sequence:
     density: np.ndarray
     level: np.ndarray
     rmse: np.ndarray
+    intensity: np.ndarray
 
 
 class SequenceMaker:
@@ -94,7 +95,7 @@ class SequenceMaker:
             doubt=doubt, load=load.to_message(),
             begin=np.array(moving[0] if len(moving) else len(q) - 1),
             density=model.residuals.intensity + stuck_density(z, doubt, v, level),
-            level=level, rmse=model.residuals.rmse))
+            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity))
 
     def _model_error(self, rng, model, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""

@@ -27,6 +27,7 @@ class DemoObserver:
 
     series: name -> list of (time [s], value); load and variance (10,) in message order,
     truth (10,), residual (n,), temperature (joint, degC), status (text, reason), phase (text).
+    refusal: why the simulator did not take the load, else empty.
     limits: (2, n) largest accelerations while accelerating and decelerating [rad/s^2], or None.
     Time counts from the first stamp seen. Use as a context manager.
     """
@@ -37,7 +38,7 @@ class DemoObserver:
         self.series, self.limits, self.joints = defaultdict(list), None, ()
         self._base = StampBase()
         self._attach = self.node.create_client(SetBool, 'simulator/attach_load')
-        self._answers = []
+        self.refusal = ''
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
         self._subscribe()
@@ -104,12 +105,11 @@ class DemoObserver:
 
     def hold(self, gripped):
         """Close or open the hand, as a gripper would at the pick and the place position."""
-        future = self._attach.call_async(SetBool.Request(data=gripped))
-        self._answers.append(future)
+        self._attach.call_async(SetBool.Request(data=gripped)).add_done_callback(self._answered)
 
-    def ready_to_hold(self):
-        """Tell whether the simulator takes loads."""
-        return self._attach.service_is_ready()
+    def _answered(self, future):
+        if not future.result().success:
+            self.refusal = future.result().message
 
     def spin(self, seconds):
         """Listen for some real time [s]."""

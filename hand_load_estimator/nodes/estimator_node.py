@@ -13,7 +13,7 @@ from std_msgs.msg import Float64MultiArray, Header
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from ..estimators.pipeline import build_pipeline
+from ..estimators.build import build_pipeline
 from ..shared_files import find_shared
 from .diagnostics import ERROR, OK, STALE, WARN, Diagnostics
 from .draining import subscribe_draining
@@ -26,6 +26,7 @@ from .qos import LATCHED, OUTPUT, measurement, publisher
 from .runner import run_node
 from .stamps import StampBase
 from .temperature_input import subscribe_dynamic_joint_states
+from .throttle import Throttle
 
 _STATUS_PERIOD = 0.1  # [s]
 _MISSING = (ERROR, 'no joint states have arrived')
@@ -50,7 +51,7 @@ class EstimatorNode(Node):
         self._robot = self._pipeline.model.robot
         self._joints = list(self._robot.joints)
         self._base, self._last_stamp = StampBase(), None
-        self._published, self._published_markers, self._last_status = None, None, None
+        self._last_status = None
         self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
         self._create_outputs()
         self._create_inputs(values)
@@ -61,9 +62,8 @@ class EstimatorNode(Node):
                                f'{self._pipeline.method.name}')
 
     def _set_rates(self, values):
-        # A little less than the period, so that jitter of the stamps drops none.
-        self._period = 0.999 / values.publish_rate
-        self._marker_period = 0.999 / values.marker_rate if values.marker_rate else None
+        self._outputs_throttle = Throttle(values.publish_rate)
+        self._markers_throttle = Throttle(values.marker_rate) if values.marker_rate else None
 
     def _create_outputs(self):
         self._load = publisher(self, InertiaStamped, '~/load', OUTPUT)
@@ -105,20 +105,17 @@ class EstimatorNode(Node):
     def _publish_estimate(self, estimate):
         seconds, key = estimate.stamp, (estimate.status, estimate.load_id)
         self._last_stamp = seconds
-        if key != self._last_status:
-            self._publish_status()
-        elif self._published is not None and 0.0 <= seconds - self._published < self._period:
+        due = self._outputs_throttle.due(seconds)
+        if key == self._last_status and not due:
             return
-        self._published = seconds
         stamp, frame = self._base.message(seconds), self._robot.load_frame
         self._load.publish(inertia_message(estimate.mean, stamp, frame))
         self._variance.publish(inertia_message(estimate.std ** 2, stamp, frame))
         self._covariance.publish(covariance_message(estimate.covariance))
         self._residual.publish(residual_message(self._joints, self._pipeline.residual, stamp))
-        if self._marker_period is not None and (
-                self._published_markers is None
-                or not 0.0 <= seconds - self._published_markers < self._marker_period):
-            self._published_markers = seconds
+        if key != self._last_status:
+            self._publish_status()
+        if self._markers_throttle and self._markers_throttle.due(seconds):
             header = Header(stamp=stamp, frame_id=frame)
             self._markers.publish(estimate_markers(estimate, header))
 

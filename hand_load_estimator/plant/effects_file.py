@@ -72,17 +72,19 @@ def _request(section, robot, where):
 
 
 def _parameters(section, effect, joints):
-    inner = section.section('parameters')
+    inner, raw = section.section('parameters'), section.get('parameters', 'a mapping')
+    unknown = sorted(str(name) for name in set(raw) - set(effect.parameters))
+    if unknown:
+        known = ', '.join(f'{name} [{kind.unit}]' for name, kind in effect.parameters.items())
+        section.fail('parameters', f'does not know {", ".join(unknown)}', raw, known)
     out = {}
     for name, kind in effect.parameters.items():
         if not inner.has(name):
             continue
-        value = inner.get(name, kind.unit)
         if kind.size > 1:
             out[name] = inner.vector(name, kind.size, kind.low, kind.high)
-        elif isinstance(value, list) and effect.per_joint:
+        elif isinstance(raw[name], list) and effect.per_joint:
             out[name] = inner.vector(name, joints, kind.low, kind.high)
         else:
             out[name] = inner.number(name, kind.low, kind.high)
-    inner.refuse_unknown()
     return out

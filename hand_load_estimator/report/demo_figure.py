@@ -3,8 +3,9 @@
 import numpy as np
 
 _AXES = 'xyz'
-# A centre of mass is drawn only while there is a mass it could belong to and it is known at all.
+# A centre of mass is drawn only while it is known at all, of a mass that is surely there.
 _HIGHEST_COM_STD = 0.15  # [m]
+_LEAST_MASS = 0.1  # [kg]
 
 
 def _stack(series):
@@ -44,8 +45,9 @@ def _mass(axis, times, mean, std, truth):
 
 def _centre(axis, times, mean, std, truth):
     held = truth[1][:, 0] > 0.0
+    heavy = mean[:, 0] > np.maximum(_LEAST_MASS, 3.0 * std[:, 0])
     for k, name in enumerate(_AXES, 1):
-        known = std[:, k] < _HIGHEST_COM_STD
+        known = heavy & (std[:, k] < _HIGHEST_COM_STD)
         _band(axis, times, np.where(known, 1e3 * mean[:, k], np.nan), 1e3 * std[:, k], name,
               f'C{k}')
         axis.step(truth[0], np.where(held, 1e3 * truth[1][:, k], np.nan), f'C{k}--',
@@ -73,12 +75,12 @@ def _residual(axis, series, joints):
     axis.set_xlabel('time [s]')
 
 
-def _phases(axes, series, end):
+def _phases(axes, series, begin, end):
     for k, (start, name) in enumerate(series):
-        stop = series[k + 1][0] if k + 1 < len(series) else end
+        start, stop = max(start, begin), series[k + 1][0] if k + 1 < len(series) else end
         for axis in axes:
             axis.axvspan(start, stop, color='0.5', alpha=0.10 * (k % 2), linewidth=0.0)
-        if stop - start > 0.02 * end:
+        if stop - start > 0.03 * (end - begin):
             axes[0].text(0.5 * (start + stop), 1.02, name, ha='center', fontsize='small',
                          transform=axes[0].get_xaxis_transform())
 
@@ -105,9 +107,9 @@ def draw_demo(path, series, joints, title):
     _temperatures(axes[2], series['temperature'], joints)
     if series['residual']:
         _residual(axes[3], series['residual'], joints)
-    _phases(axes, series['phase'], times[-1])
+    _phases(axes, series['phase'], times[0], times[-1])
     for axis in axes:
         axis.grid(alpha=0.3)
-        axis.set_xlim(0.0, times[-1])
+        axis.set_xlim(times[0], times[-1])
     figure.suptitle(title)
     figure.savefig(path, dpi=110)

@@ -20,8 +20,8 @@ EFFECTS = {kind.name: kind for kind in (
     TemperatureDependentViscous(), TemperatureDependentCoulomb(), PreslidingHysteresis(),
     Backlash(), TorqueRipple(), TorqueScale(), TorqueScaleTemperature(), TorqueOffset(),
     TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad())}
-# Halvings of the logarithm of an amplitude: five decades to a tenth of a percent.
-_BISECTIONS = 14
+# Halvings of the logarithm of an amplitude: five decades to half a percent.
+_BISECTIONS = 11
 
 
 def apply_effects(requests, robot, truth, seed):
@@ -80,7 +80,8 @@ def _amplitude(request, effect, values, motion, truth):
     if np.any(reach[listed] < request.strength):
         raise ConfigurationError(request.where, f'{request.name} cannot be so strong on every '
                                  'joint listed', request.strength,
-                                 f'strength up to {np.min(reach[listed]):.3g}')
+                                 f'strength up to {np.min(reach[listed]):.3g}',
+                                 'choose other joints or a lower strength')
     return np.where(listed, wanted, 0.0) if effect.per_joint else float(wanted[0])
 
 

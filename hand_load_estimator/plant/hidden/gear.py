@@ -19,7 +19,7 @@ class Backlash(HiddenEffect):
     """
 
     name, amplitude = 'backlash', 'gap'
-    parameters = {'gap': Parameter('rad', 0.0, 0.2), 'inertia': Parameter('kg m^2', 1e-6)}
+    parameters = {'gap': Parameter('rad', 0.0, 0.05), 'inertia': Parameter('kg m^2', 1e-6)}
     linear = False
 
     def draw(self, rng, truth, motion):
@@ -30,7 +30,7 @@ class Backlash(HiddenEffect):
 
     def bounds(self, truth):
         """Return gaps from microradians to a gear nobody would still use."""
-        return np.full(len(truth.rotor), 1e-6), np.full(len(truth.rotor), 0.2)
+        return np.full(len(truth.rotor), 1e-6), np.full(len(truth.rotor), 0.05)
 
     def torque_along(self, motion, truth, p):
         """Return the torque along the motion, which changes sign where gravity does."""

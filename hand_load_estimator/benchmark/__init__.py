@@ -1,0 +1,1 @@
+"""Accuracy and speed, measured: suites, rivals, bound, scores, pages."""

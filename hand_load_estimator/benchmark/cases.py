@@ -1,0 +1,97 @@
+"""What is measured: plants, their recordings for identification, and cases with unknown loads."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..identification import prepare
+from ..joint_stream import JointStream
+from ..load import LoadParameters
+from ..motion import Motion
+from ..plant import TemperatureEvent, simulate_motion
+from ..simulate_motions import named_motion
+
+# No-load recordings every model is identified from: motion, temperature [degC], seconds.
+IDENTIFICATION = (('excite', 15.0, 40.0), ('pick_place', 25.0, 40.0), ('excite', 36.0, 40.0),
+                  ('pick_place', 50.0, 40.0))
+DURATION = 13.0          # [s] of a case
+HEAVIEST = 10.0          # [kg] for a rated load of 12.5 kg; scaled for other robots
+TEMPERATURES = (15.0, 50.0)
+SPEEDS = (0.3, 1.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run: plant seed, case seed, load, start temperature [degC], speed (share), motion."""
+
+    plant: int
+    seed: int
+    load: LoadParameters
+    temperature: float
+    speed: float
+
+
+def draw_case(robot, plant, seed):
+    """Return the Case of a seed: an ellipsoid of mass anywhere around the rated place."""
+    rng = np.random.default_rng(seed)
+    scale = robot.rated_load.mass / 12.5
+    size = scale ** (1.0 / 3.0)
+    mass = rng.uniform(0.0, HEAVIEST * scale)
+    radii = rng.uniform(0.03, 0.2, 3) * size
+    moments = mass / 5.0 * (np.sum(radii ** 2) - radii ** 2)
+    axes, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    com = robot.rated_load.com + rng.uniform(-0.1, 0.1, 3) * size
+    load = LoadParameters(mass, com, axes @ np.diag(moments) @ axes.T)
+    return Case(plant, seed, load, rng.uniform(*TEMPERATURES), rng.uniform(*SPEEDS))
+
+
+def _samples(robot, events):
+    stream, out = JointStream(robot), []
+    for event in events:
+        if isinstance(event, TemperatureEvent):
+            for joint, celsius in zip(robot.joints, event.celsius):
+                stream.temperature_reading(joint, celsius)
+            continue
+        sample = stream.joint_state(event.stamp, robot.joints, event.position, event.velocity,
+                                    event.effort)
+        if sample is not None and not sample.fresh:
+            out.append(sample)
+    return out
+
+
+def _simulate(robot, motion, **arguments):
+    return _samples(robot, simulate_motion(
+        robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments))
+
+
+def identification_evidence(robot, plant, effects=()):
+    """Return the Evidence of a plant's no-load recordings."""
+    out = []
+    for k, (name, temperature, seconds) in enumerate(IDENTIFICATION):
+        motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
+        samples = _simulate(robot, motion, seed=plant, start_temperature=temperature,
+                            effects=effects)
+        label = f'plant {plant}, {name} at {temperature:g} degC'
+        out.append(prepare(robot, label, Motion.of(samples), LoadParameters()))
+    return out
+
+
+def case_samples(robot, case, effects=()):
+    """Return the MotionSamples of a Case."""
+    motion = named_motion('pick_place', robot, DURATION, case.speed, case.seed)
+    return _simulate(robot, motion, seed=case.plant, start_temperature=case.temperature,
+                     load=case.load, effects=effects)
+
+
+def motion_start(robot, samples):
+    """
+    Return the stamp [s] at which a joint that gravity loads first exceeds 0.05 rad/s, or None.
+
+    Such a joint's share of the rated load's gravity torque is at least a tenth of the largest.
+    """
+    rated, zero = robot.rated_load.to_products(), np.zeros(robot.n)
+    for sample in samples:
+        torque = np.abs(robot.load_regressor(sample.q, zero, zero) @ rated)
+        if (np.abs(sample.v[torque >= 0.1 * torque.max()]) > 0.05).any():
+            return sample.stamp
+    return None

@@ -1,0 +1,60 @@
+"""Run a suite in parallel, resume what was done, write the pages."""
+
+from concurrent.futures import as_completed, ProcessPoolExecutor
+import json
+import os
+from pathlib import Path
+import subprocess
+import time
+
+from .. import seeds
+from ..errors import ConfigurationError
+from ..robot import load_robot
+from ..shared_files import find_shared
+from .measure import measure_plant
+from .page import markdown, picture
+from .scores import overview, score
+
+# suite: (plant seeds, case seeds, cases per plant)
+SUITES = {
+    'base': (seeds.BENCHMARK_PLANTS[:25], seeds.BENCHMARK_CASES, 8),
+    'development': (seeds.DEVELOPMENT_PLANTS[50:58], seeds.DEVELOPMENT_CASES, 8)}
+
+
+def _commit():
+    try:
+        out = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], text=True,
+                             capture_output=True, cwd=Path(__file__).parent, check=False)
+    except OSError:
+        return 'unknown'
+    return out.stdout.strip() or 'unknown'
+
+
+def run_suite(suite, robot_name, learned, folder, command, write=print):
+    """Measure a suite into `folder`: raw results per plant, scores.json, README.md, mass.png."""
+    if suite not in SUITES:
+        raise ConfigurationError('--suite', 'is not known', suite, ', '.join(SUITES))
+    plants, case_seeds, per_plant = SUITES[suite]
+    raw = Path(folder) / 'raw'
+    raw.mkdir(parents=True, exist_ok=True)
+    robot_path = find_shared(robot_name, 'robots')
+    jobs = [(str(robot_path), plant, list(case_seeds[k * per_plant:(k + 1) * per_plant]),
+             learned, str(raw)) for k, plant in enumerate(plants)]
+    began, paths = time.monotonic(), []
+    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
+        running = [pool.submit(measure_plant, *job) for job in jobs]
+        for done, job in enumerate(as_completed(running), start=1):
+            paths.append(job.result())
+            left = (time.monotonic() - began) / done * (len(jobs) - done)
+            write(f'plant {done}/{len(jobs)}  {left / 60.0:.1f} min left')
+    results = [r for path in sorted(paths) for r in json.loads(path.read_text('utf-8'))]
+    robot = load_robot(robot_path)
+    scores, counts = score(results, robot.rated_load.mass), overview(results)
+    out = Path(folder)
+    (out / 'scores.json').write_text(json.dumps(
+        {'schema': 'hand_load/benchmark/1', 'suite': suite, 'overview': counts,
+         'scores': scores}, indent=1) + '\n', encoding='utf-8')
+    page = markdown(scores, counts, command, _commit())
+    (out / 'README.md').write_text(page, encoding='utf-8')
+    picture(scores, out / 'mass.png')
+    return page

@@ -1,0 +1,24 @@
+"""`hand_load benchmark`: accuracy beside rivals on simulated arms training never saw."""
+
+EXAMPLE = 'hand_load benchmark --out out/benchmark'
+
+
+def add_arguments(parser):
+    """Declare the arguments."""
+    parser.add_argument('--out', required=True, metavar='DIR',
+                        help='folder of the results; what is there already is kept')
+    parser.add_argument('--suite', default='base', metavar='NAME',
+                        help='base (25 plants x 8 cases) or development (other seeds)')
+    parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
+                        help='robot file (default: ur10e)')
+    parser.add_argument('--learned', default=None, metavar='DIR',
+                        help='learned artefact (default: the shipped one)')
+
+
+def run(args):
+    """Measure and print the page."""
+    from ..benchmark.run import run_suite
+    command = f'hand_load benchmark --suite {args.suite} --robot {args.robot} --out {args.out}'
+    print(run_suite(args.suite, args.robot, args.learned, args.out, command,
+                    write=lambda text: print(text, flush=True)))
+    return 0

@@ -1,0 +1,47 @@
+"""`hand_load estimate`: the load in a recording, as the running estimator would have told it."""
+
+import json
+from pathlib import Path
+import sys
+
+from .recording_arguments import add_recording_arguments, topics
+
+EXAMPLE = 'hand_load estimate run --model ur10e --out estimate.json'
+
+
+def add_arguments(parser):
+    """Declare the arguments."""
+    parser.add_argument('recording', metavar='BAG', help='rosbag2 recording')
+    parser.add_argument('--model', required=True, metavar='MODEL.yaml',
+                        help='torque model, or the name of a shipped one')
+    parser.add_argument('--out', required=True, metavar='FILE.json', help='result to write')
+    parser.add_argument('--method', default='lstm', metavar='NAME',
+                        help='lstm or bayes (default: lstm; bayes where the arm has no artefact)')
+    parser.add_argument('--learned', default=None, metavar='DIR',
+                        help='learned artefact (default: the shipped one of the robot)')
+    add_recording_arguments(parser)
+
+
+def run(args):
+    """Estimate, write the JSON and print the answer."""
+    from ..estimation import estimate_recording
+    from ..estimators.build import build_pipeline
+    from ..recording import read_recording
+    pipeline = build_pipeline(args.model, args.method, args.learned)
+    # The answer must not know the load: load.yaml is not read.
+    recording = read_recording(args.recording, with_load=False, **topics(args))
+    result = estimate_recording(pipeline, recording)
+    Path(args.out).write_text(json.dumps(result) + '\n', encoding='utf-8')
+    _report(result)
+    return 0
+
+
+def _report(result):
+    mass, com = result['mass'], result['com']
+    print(f'{result["status"]} ({result["method"]}, {result["samples"]} samples, '
+          f'{sum(result["rejected"].values())} rejected)')
+    print(f'mass {mass["mean"]:.3f} +- {1.96 * mass["std"]:.3f} kg (95 %)')
+    print('centre of mass [mm] in ' + result['frame'] + ': ' + ', '.join(
+        f'{1e3 * m:.1f} +- {1e3 * 1.96 * s:.1f}' for m, s in zip(com['mean'], com['std'])))
+    if result['rejected']:
+        print(f'rejected input: {result["rejected"]}', file=sys.stderr)

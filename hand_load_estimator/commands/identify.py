@@ -1,0 +1,77 @@
+"""`hand_load identify`: a torque model from recordings without load, or with a known one."""
+
+from pathlib import Path
+import sys
+
+import numpy as np
+
+from .recording_arguments import add_recording_arguments, topics
+
+EXAMPLE = 'hand_load identify run1 run2 --robot ur10e --out model.yaml'
+
+
+def add_arguments(parser):
+    """Declare the arguments."""
+    parser.add_argument('recordings', nargs='+', metavar='BAG', help='rosbag2 recordings')
+    parser.add_argument('--robot', required=True, metavar='R.yaml',
+                        help='robot file, or the name of a shipped one')
+    parser.add_argument('--out', required=True, metavar='MODEL.yaml', help='model file to write')
+    parser.add_argument('--effects', metavar='a,b,...', default=None,
+                        help='effects to declare (default: all the package knows)')
+    parser.add_argument('--load', metavar='none|L.yaml', default=None,
+                        help='load in all recordings; without it each load.yaml says')
+    add_recording_arguments(parser)
+
+
+def run(args):
+    """Identify, write the model and say how good it is."""
+    from ..identification import identify, prepare
+    from ..joint_stream import motion_of
+    from ..load_file import load_of_argument
+    from ..model_file import write_model
+    from ..recording import read_recording
+    from ..robot import load_robot
+    from ..shared_files import find_shared
+    robot = load_robot(find_shared(args.robot, 'robots'))
+    given = load_of_argument(args.load)[0] if args.load else None
+    evidence = []
+    for path in args.recordings:
+        recording = read_recording(path, **topics(args))
+        load = given if given is not None else known_load(recording)
+        motion, rejected = motion_of(robot, recording)
+        evidence.append(prepare(robot, Path(path).name, motion, load))
+        _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
+             f'{sum(rejected.values())}')
+    effects = args.effects.split(',') if args.effects else None
+    model = identify(robot, evidence, effects, progress=_say)
+    write_model(args.out, model)
+    _report(model, args.out)
+    return 0
+
+
+def known_load(recording):
+    """Return the load of a recording's load.yaml; refuse a recording that has none."""
+    from ..errors import RecordingError
+    if recording.load is None:
+        raise RecordingError(f'{recording.path}: does not say its load; add a load.yaml (none, or '
+                             'mass, com, inertia) or give --load')
+    if recording.load.mass > 0.0 and 'com' not in recording.load_known:
+        raise RecordingError(f'{recording.path}: load.yaml gives a mass without its com; identify '
+                             'needs the centre of mass too, or recordings without load')
+    return recording.load
+
+
+def _say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def _report(model, out):
+    print(f'{out}: {model.robot.name}, {len(model.recordings)} recordings')
+    print(f'{"joint":24s} {"held-out RMS":>12s} {"Coulomb":>9s} {"viscous":>14s}')
+    viscous = np.zeros(model.robot.n)
+    for use, where in model.slices():
+        if use.name == 'viscous_friction':
+            viscous[use.joint] = model.mean[where.start]
+    for name, rms, level, slope in zip(model.robot.joints, model.noise, model.friction_level(),
+                                       viscous):
+        print(f'{name:24s} {rms:9.3f} Nm {level:6.2f} Nm {slope:7.2f} Nm s/rad')

@@ -1,0 +1,78 @@
+"""Put a Pipeline together from files, as nodes and commands name them."""
+
+import json
+from pathlib import Path
+
+from ..errors import ConfigurationError
+from ..learning.artefact import CARD, read_artefact
+from ..model_file import read_model
+from ..robot import load_robot
+from ..shared_files import find_shared, share_folder
+from ..torque_model import ModelFollower
+from .bayes import Bayes
+from .lstm import Lstm
+from .pipeline import Pipeline
+
+METHODS = ('lstm', 'bayes')
+# A parameter counts as determined below these standard deviations, as fractions of the rated
+# mass, in metres, and as a fraction of the rated load's largest moment of inertia.
+DETERMINED = (0.01, 0.01, 0.1)
+
+
+def determined_std(robot):
+    """Return the thresholds for mass [kg], centre of mass [m] and inertia [kg m^2]."""
+    rated = robot.rated_load
+    moment = max(float(rated.inertia.diagonal().max()), 1e-3 * rated.mass)
+    return DETERMINED[0] * rated.mass, DETERMINED[1], DETERMINED[2] * moment
+
+
+def shipped_artefact(robot):
+    """Return the folder of the artefact shipped for a robot's joints and effort kind, or None."""
+    for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{CARD}')):
+        content = json.loads(card.read_text(encoding='utf-8'))
+        if tuple(content.get('joints', ())) == robot.joints \
+                and content.get('effort_kind') == robot.effort.kind:
+            return card.parent
+    return None
+
+
+def build_method(model, uncertainties, name, learned=None):
+    """
+    Return the Method of a name for a TorqueModel.
+
+    learned: artefact folder, or None for the shipped one; without any, `lstm` becomes `bayes`
+    and the method's name says so.
+    """
+    if name not in METHODS:
+        raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
+    if name == 'lstm':
+        folder = Path(learned) if learned else shipped_artefact(model.robot)
+        if folder is not None:
+            return Lstm(model, uncertainties, read_artefact(folder, model.robot))
+    elif learned:
+        raise ConfigurationError('learned', 'goes with method lstm only', learned)
+    return Bayes(model, uncertainties)
+
+
+def _check_robot(model, path, robot):
+    own = model.robot
+    if own.joints != robot.joints or own.effort.kind != robot.effort.kind:
+        raise ConfigurationError(
+            f'model {path}', 'belongs to another robot',
+            f'{own.name}: {", ".join(own.joints)}; {own.effort.kind}',
+            f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
+
+
+def build_pipeline(model_path, method='lstm', learned=None, robot_path=None):
+    """
+    Return the Pipeline of a model file; raises ConfigurationError.
+
+    robot_path: robot file the model must belong to, by joints and effort kind, or None.
+    """
+    model = read_model(find_shared(model_path, 'models'))
+    if robot_path is not None:
+        _check_robot(model, model_path, load_robot(find_shared(robot_path, 'robots')))
+    follower = ModelFollower(model)
+    return Pipeline(model, follower,
+                    build_method(model, follower.uncertainties, method, learned or None),
+                    determined_std(model.robot))

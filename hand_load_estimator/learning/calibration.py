@@ -1,0 +1,52 @@
+"""Make 95 % mean 95 % on sequences training never saw, and score the network on others."""
+
+import torch
+
+from ..load import MESSAGE_ORDER
+from .objective import answers
+from .shards import read_shard
+
+# Judged chunks (0.1 s each, motion starts 0.15 to 1 s in) for factors and scores.
+CHUNKS = (14, 19, 29, 49, 69, 99)
+NORMAL_95 = 1.959964
+
+
+def _errors(network, paths, prior):
+    """Return error / std and error (cases, J, 10); the place of weightless loads is NaN."""
+    ratios, errors = [], []
+    with torch.no_grad():
+        for path in paths:
+            shard = read_shard(path, 'cpu')
+            mean, variance = answers(network, shard, *prior, judged=CHUNKS)
+            error = mean - shard['load'][:, None, :].double()
+            error[:, :, 1:4][(shard['load'][:, 0] < 0.02)[:, None].expand(-1, len(CHUNKS))] \
+                = float('nan')
+            ratios.append(error / torch.sqrt(variance))
+            errors.append(error)
+    return torch.cat(ratios), torch.cat(errors)
+
+
+def calibrate(network, paths, prior):
+    """Return factors (10,) on the standard deviations that give 95 % coverage here."""
+    ratios, _ = _errors(network, paths, prior)
+    flat = ratios.abs().reshape(-1, 10)
+    return (torch.nanquantile(flat, 0.95, dim=0) / NORMAL_95).numpy()
+
+
+def held_out_scores(network, factors, paths, prior):
+    """Return coverage and RMSE per parameter, with and without the network, for the card."""
+    ratios, errors = _errors(network, paths, prior)
+    inside = ratios.abs() < NORMAL_95 * torch.tensor(factors)
+    known = torch.isfinite(ratios)
+    coverage = (inside & known).sum(dim=(0, 1)) / known.sum(dim=(0, 1))
+    _, plain = _errors(None, paths, prior)
+    scores = {'coverage_of_95': dict(zip(MESSAGE_ORDER, _rounded(coverage)))}
+    for name, values in (('lstm', errors), ('without_network', plain)):
+        mass = torch.sqrt((values[:, :, 0] ** 2).mean(dim=0))
+        scores[f'mass_rmse_kg_{name}'] = dict(zip(
+            [f'{(k + 1) / 10:g} s' for k in CHUNKS], _rounded(mass)))
+    return scores
+
+
+def _rounded(tensor):
+    return [round(float(v), 4) for v in tensor]

@@ -1,0 +1,60 @@
+"""
+What training minimises: the divergence between labels and predicted normals (E6.1).
+
+The label of each of the ten parameters is a normal of small stated width around the truth;
+KL(label || prediction) is, up to a constant, (error^2 + width^2) / (2 variance) + log std.
+"""
+
+import torch
+
+from .features import REFRESH
+from .regression_layer import chunk_sums, marginal, message_moments, shape_posterior
+
+# Widths of the labels: [kg], [m], [kg m^2]; no answer needs to be surer than that.
+LABEL_STD = (4e-3,) + (5e-4,) * 3 + (5e-4,) * 6
+# Chunks (of REFRESH samples) after which the answer is judged: dense while it matters.
+JUDGED = tuple(range(1, 24)) + tuple(range(25, 50, 4)) + tuple(range(52, 100, 8)) + (99,)
+
+
+def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
+    """
+    Return mean and variance (B, J, 10) in message order after the judged chunks.
+
+    network None gives the plain regression.
+    """
+    columns, difference, weights = shard['columns'], shard['difference'], shard['weights']
+    last = [(k + 1) * REFRESH - 1 for k in judged]
+    shift = spread = None
+    if network is not None:
+        correction, gain, shift, spread = network(shard['inputs'])
+        difference = difference - correction * shard['level'][:, None, :]
+        weights = weights * torch.exp(gain)
+        shift, spread = shift[:, last].double(), spread[:, last].double()
+    matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
+    picked = list(judged)
+    shape, covariance = shape_posterior(
+        *marginal(matrix[:, picked].double(), vector[:, picked].double()), prior_mean, prior_std)
+    if network is not None:
+        shape, covariance = adjusted(shape, covariance, shift, spread)
+    return message_moments(shape, covariance)
+
+
+def adjusted(shape, covariance, shift, spread):
+    """Return shape and covariance moved by `shift` deviations and widened by exp(spread)."""
+    std = torch.sqrt(torch.diagonal(covariance, dim1=-2, dim2=-1))
+    wide = torch.exp(spread)
+    return shape + shift * std, covariance * wide[..., None] * wide[..., None, :]
+
+
+def divergence(mean, variance, load):
+    """
+    Return KL (B, J, 10) less its constant for labels load (B, 10).
+
+    The place of a load that weighs nothing has no truth and is left out.
+    """
+    truth = load[:, None, :].to(mean.dtype)
+    width = torch.tensor(LABEL_STD, dtype=mean.dtype, device=mean.device)
+    out = ((mean - truth) ** 2 + width ** 2) / (2.0 * variance) + 0.5 * torch.log(variance)
+    weightless = torch.zeros_like(out, dtype=torch.bool)
+    weightless[:, :, 1:4] = (truth[..., :1] < 0.02)
+    return torch.where(weightless, torch.zeros_like(out), out)

@@ -1,0 +1,106 @@
+"""Batches of training sequences on disk, made once, in parallel, and picked up after a kill."""
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors.torch import load_file, save_file
+
+from ..estimators.load_prior import load_prior
+from ..model_file import read_model
+from .features import REFRESH, features
+from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,
+                               shape_posterior)
+from .sequences import EVERY, RATE, SequenceMaker
+
+BATCH = 64
+DT = EVERY / RATE
+
+
+def prior_tensors(robot):
+    """Return the LoadPrior's mean and std as float64 tensors (10,)."""
+    prior = load_prior(robot)
+    return torch.tensor(prior.mean), torch.tensor(prior.std)
+
+
+def bayes_pass(robot, columns, difference, weights):
+    """
+    Return innovation (B, T, n) [Nm] and relative std (B, T, 10) of the plain regression.
+
+    At each step they come from the posterior of the last finished chunk of REFRESH samples, as
+    in the running estimator.
+    """
+    mean, std = prior_tensors(robot)
+    matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
+    load_matrix, load_vector = marginal(matrix.double(), vector.double())
+    shape, covariance = shape_posterior(load_matrix, load_vector, mean, std)
+    _, variance = message_moments(shape, covariance)
+    _, prior_variance = message_moments(mean, torch.diag(std ** 2))
+    products = products_of_shape(shape)[0]
+    nuisance = torch.linalg.solve(
+        matrix[..., 10:, 10:].double() + torch.eye(matrix.shape[-1] - 10, dtype=torch.float64),
+        (vector[..., 10:].double()
+         - (matrix[..., 10:, :10].double() @ products[..., None]).squeeze(-1)))
+    known = torch.cat([products, nuisance], dim=-1)
+    first = torch.cat([products_of_shape(mean)[0], torch.zeros(nuisance.shape[-1], dtype=torch.float64)])
+    known = torch.cat([first.expand(len(known), 1, -1), known[:, :-1]], dim=1)
+    relative = torch.sqrt(variance / prior_variance)
+    relative = torch.cat([torch.ones_like(relative[:, :1]), relative[:, :-1]], dim=1)
+    known = known.repeat_interleave(REFRESH, dim=1).to(columns.dtype)
+    innovation = difference - (columns @ known[..., None]).squeeze(-1)
+    return innovation, relative.repeat_interleave(REFRESH, dim=1)
+
+
+def make_shard(maker, robot, seeds):
+    """Return the tensors of one batch of sequences."""
+    sequences = [maker.make(seed) for seed in seeds]
+    stack = {name: torch.tensor(np.stack([getattr(s, name) for s in sequences]))
+             for name in vars(sequences[0])}
+    weights = DT / stack['density']
+    innovation, relative = bayes_pass(robot, stack['columns'], stack['difference'], weights)
+    inputs = np.stack([features(
+        robot.limits, s.rmse, s.intensity, np.moveaxis(s.motion, 1, 0), s.difference,
+        innovation[k].numpy(), s.warmth, s.z, s.doubt, s.density, relative[k].numpy(),
+        np.full(len(s.z), DT)) for k, s in enumerate(sequences)])
+    return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
+            'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
+            'load': stack['load'], 'begin': stack['begin']}
+
+
+def _write_shard(model_path, seeds, path):
+    torch.set_num_threads(1)
+    model = read_model(model_path)
+    shard = make_shard(SequenceMaker(model), model.robot, seeds)
+    part = path.with_suffix('.part')
+    save_file({k: v.contiguous() for k, v in shard.items()}, part)
+    os.replace(part, path)
+    return path
+
+
+def write_shards(model_path, folder, seeds, progress):
+    """
+    Make the shards of a range of seeds below `folder` and return their paths.
+
+    Shards that are there already are kept. progress(done) is called as they come.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = [seeds[k:k + BATCH] for k in range(0, len(seeds), BATCH)]
+    paths = [folder / f'{part[0]}_{len(part)}.safetensors' for part in parts]
+    todo = [(part, path) for part, path in zip(parts, paths) if not path.exists()]
+    done = len(parts) - len(todo)
+    with ProcessPoolExecutor(max(1, os.cpu_count() or 1)) as pool:
+        jobs = [pool.submit(_write_shard, str(model_path), list(part), path)
+                for part, path in todo]
+        for job in jobs:
+            job.result()
+            done += 1
+            progress(done)
+    return paths
+
+
+def read_shard(path, device):
+    """Return the tensors of one shard on a device."""
+    return load_file(path, device=str(device))

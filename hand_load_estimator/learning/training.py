@@ -1,0 +1,195 @@
+"""Train the network: seeded, with progress and time left, resumed after a kill."""
+
+import json
+import os
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors import safe_open
+from safetensors.torch import load_file, save_file
+
+from .. import seeds
+from ..errors import ConfigurationError
+from ..load import MESSAGE_ORDER
+from ..model_file import read_model
+from .artefact import write_artefact
+from .calibration import calibrate, held_out_scores
+from .features import feature_count
+from .network import LoadNetwork
+from .objective import answers, divergence
+from .sequences import DURATION
+from .shards import BATCH, prior_tensors, read_shard, write_shards
+
+CHECKPOINT_EVERY = 25   # steps
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """
+    Everything that decides the result beside the torque model.
+
+    sequences for training, calibration and validation; passes over the training sequences;
+    hidden units; learning_rate at its highest; seed of the first weights and of the order.
+    """
+
+    sequences: int = 6400
+    calibration: int = 640
+    validation: int = 640
+    passes: int = 14
+    hidden: int = 96
+    learning_rate: float = 4e-3
+    seed: int = 1
+
+
+def pick_device(name):
+    """Return the torch device for 'auto', 'cpu' or 'cuda'."""
+    if name == 'cuda' and not torch.cuda.is_available():
+        raise ConfigurationError('--device', 'is not there', name, 'auto or cpu on this machine')
+    if name == 'auto':
+        name = 'cuda' if torch.cuda.is_available() else 'cpu'
+    return torch.device(name)
+
+
+class Progress:
+    """One line that says how far, how fast and how long still."""
+
+    def __init__(self, write, what, total, done=0):
+        self._write, self._what, self._total = write, what, total
+        self._began, self._first = time.monotonic(), done
+
+    def __call__(self, done, note=''):
+        """Report `done` of the total."""
+        spent = time.monotonic() - self._began
+        rate = (done - self._first) / spent if spent > 0.0 else 0.0
+        left = (self._total - done) / rate if rate > 0.0 else float('nan')
+        self._write(f'{self._what} {done}/{self._total}  {rate:.2f}/s  {left / 60.0:.1f} min left'
+                    f'{note}')
+
+
+class _Run:
+    """Network, optimiser and schedule of one training, with their checkpoint."""
+
+    def __init__(self, robot, recipe, steps, folder, device):
+        torch.manual_seed(recipe.seed)
+        self.network = LoadNetwork(feature_count(robot.n), robot.n, recipe.hidden).to(device)
+        self.optimiser = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
+        self.schedule = torch.optim.lr_scheduler.OneCycleLR(
+            self.optimiser, recipe.learning_rate, total_steps=steps, pct_start=0.1)
+        self._path = Path(folder) / 'checkpoint.safetensors'
+        self.step = 0
+
+    def save(self):
+        """Write the checkpoint; a kill leaves the old one or the new one."""
+        tensors = {f'network.{k}': v for k, v in self.network.state_dict().items()}
+        for index, state in self.optimiser.state_dict()['state'].items():
+            tensors |= {f'optimiser.{index}.{k}': v for k, v in state.items()}
+        part = self._path.with_suffix('.part')
+        save_file({k: v.contiguous() for k, v in tensors.items()}, part,
+                  metadata={'step': str(self.step)})
+        os.replace(part, self._path)
+
+    def resume(self):
+        """Go on from the checkpoint when there is one."""
+        if not self._path.exists():
+            return
+        tensors = load_file(self._path)
+        self.network.load_state_dict({k[8:]: v for k, v in tensors.items()
+                                      if k.startswith('network.')})
+        state = self.optimiser.state_dict()
+        for name, value in tensors.items():
+            if name.startswith('optimiser.'):
+                _, index, key = name.split('.')
+                state['state'].setdefault(int(index), {})[key] = value
+        self.optimiser.load_state_dict(state)
+        with safe_open(self._path, 'pt') as file:
+            self.step = int(file.metadata()['step'])
+        for _ in range(self.step):
+            self.schedule.step()
+
+
+def train(model_path, folder, recipe=Recipe(), device='auto', write=print):
+    """
+    Train on draws around a torque model file and write the artefact into `folder`.
+
+    Work in progress lies in folder/work and is picked up by the next call with the same recipe
+    and model; it is removed at the end. Raises ConfigurationError for a wrong model or device.
+    """
+    began = time.time()
+    model, device = read_model(model_path), pick_device(device)
+    work = Path(folder) / 'work'
+    work.mkdir(parents=True, exist_ok=True)
+    _same_job(work, model_path, recipe)
+    shards = {name: write_shards(
+        model_path, work / name, span[:count], Progress(write, f'sequences ({name})', len(
+            range(0, count, BATCH)))) for name, span, count in (
+                ('training', seeds.TRAINING, recipe.sequences),
+                ('calibration', seeds.CALIBRATION, recipe.calibration),
+                ('validation', seeds.VALIDATION, recipe.validation))}
+    network = _optimise(model.robot, recipe, shards['training'], work, device, write)
+    network = network.cpu()
+    prior = prior_tensors(model.robot)
+    factors = calibrate(network, shards['calibration'], prior)
+    scores = held_out_scores(network, factors, shards['validation'], prior)
+    weights = {k: v.numpy() for k, v in network.state_dict().items()}
+    write_artefact(folder, weights, factors, _card(model, recipe, scores, time.time() - began))
+    _clean(work)
+    return scores
+
+
+def _same_job(work, model_path, recipe):
+    """Note what the work belongs to; refuse to mix two jobs."""
+    job = {'recipe': asdict(recipe), 'model': Path(model_path).read_text(encoding='utf-8')}
+    note = work / 'job.json'
+    if note.exists() and json.loads(note.read_text(encoding='utf-8')) != job:
+        raise ConfigurationError(work, 'holds the unfinished training of another model or recipe',
+                                 todo='remove it or give another --out')
+    note.write_text(json.dumps(job), encoding='utf-8')
+
+
+def _optimise(robot, recipe, paths, work, device, write):
+    steps = recipe.passes * len(paths)
+    run = _Run(robot, recipe, steps, work, device)
+    run.resume()
+    prior = [t.to(device) for t in prior_tensors(robot)]
+    progress = Progress(write, 'training step', steps, run.step)
+    recent = []
+    while run.step < steps:
+        turn, place = divmod(run.step, len(paths))
+        order = np.random.default_rng([recipe.seed, turn]).permutation(len(paths))
+        shard = read_shard(paths[order[place]], device)
+        mean, variance = answers(run.network, shard, *prior)
+        loss = divergence(mean, variance, shard['load']).mean()
+        run.optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(run.network.parameters(), 1.0)
+        run.optimiser.step()
+        run.schedule.step()
+        run.step += 1
+        recent = [*recent[-49:], loss.item()]
+        if run.step % CHECKPOINT_EVERY == 0 or run.step == steps:
+            run.save()
+            progress(run.step, f'  divergence {np.mean(recent):.3f}')
+    return run.network
+
+
+def _card(model, recipe, scores, seconds):
+    return {
+        'name': f'LSTM load network for {model.robot.name}',
+        'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
+        'outputs': 'correction and precision per joint for the recursive regression; shift and '
+                   f'spread of {", ".join(MESSAGE_ORDER)}',
+        'trained_on': 'draws around the identified torque model; no simulator, no plant',
+        'model_recordings': list(model.recordings), 'recipe': asdict(recipe),
+        'sequence_seconds': DURATION,
+        'seeds': {'training': seeds.TRAINING.start, 'calibration': seeds.CALIBRATION.start,
+                  'validation': seeds.VALIDATION.start},
+        'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}
+
+
+def _clean(work):
+    for path in sorted(work.rglob('*'), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    work.rmdir()

@@ -1,0 +1,238 @@
+"""The controller as a process against a small robot and estimator in the test's own process."""
+
+import signal
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from control_helpers import HOME, PICK, FakeArm, FakeModel, covariance_of, load_vector
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import InertiaStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64MultiArray, String
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.load import products_from_message
+from hand_load_estimator.model_file import write_model
+from hand_load_estimator.nodes.controller_messages import limits_message, trajectory_message
+from hand_load_estimator.nodes.estimate_messages import (covariance_message, inertia_message,
+                                                         residual_message)
+from hand_load_estimator.nodes.qos import LATCHED, OUTPUT, measurement
+from hand_load_estimator.trajectory import Trajectory
+
+MODEL = FakeModel()
+JOINTS = list(MODEL.robot.joints)
+RATE = 100.0
+MASS = 2.0
+
+
+@pytest.fixture(scope='module')
+def model_file(tmp_path_factory):
+    """Return the path of a torque model of the UR10e without friction."""
+    path = tmp_path_factory.mktemp('model') / 'plain.yaml'
+    write_model(path, nominal_model(MODEL.robot, 0.02 * FakeModel.noise ** 2))
+    return path
+
+
+class Robot:
+    """Follows trajectories and publishes joint states, an estimate, a status and residuals."""
+
+    def __init__(self, node, prefix=''):
+        self._node, self.arm, self.refused = node, FakeArm(MODEL, HOME), []
+        self.arm.load, self.order = products_from_message(load_vector(MASS)), list(range(6))
+        self._states = node.create_publisher(JointState, f'{prefix}joint_states', OUTPUT)
+        self._load = node.create_publisher(InertiaStamped, f'{prefix}estimator/load', OUTPUT)
+        self._covariance = node.create_publisher(
+            Float64MultiArray, f'{prefix}estimator/load_covariance', OUTPUT)
+        self._status = node.create_publisher(DiagnosticStatus, f'{prefix}estimator/status',
+                                             LATCHED)
+        self._residual = node.create_publisher(JointState, f'{prefix}estimator/residual_torque',
+                                               OUTPUT)
+        node.create_subscription(
+            JointTrajectory, f'{prefix}joint_trajectory_controller/joint_trajectory',
+            self._take, OUTPUT)
+        node.create_timer(1.0 / RATE, self.publish)
+        self.received = []
+
+    def now(self):
+        """Return the time [s]."""
+        return self._node.get_clock().now().nanoseconds * 1e-9
+
+    def _take(self, message):
+        self.received.append(message)
+        if not message.points or list(message.joint_names) != JOINTS:
+            self.refused.append(message)
+            return
+        time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
+        columns = [[getattr(p, kind) for p in message.points]
+                   for kind in ('positions', 'velocities', 'accelerations')]
+        state = self.arm.state(self.now())
+        self.arm.take(Trajectory([0.0, *time], *(np.vstack([first, column]) for first, column in
+                                                 zip(state, columns))), self.now())
+
+    def publish(self):
+        """Publish one joint state and what an estimator would say of it."""
+        stamp = self._node.get_clock().now().to_msg()
+        q, v, _ = self.arm.state(self.now())
+        message = JointState(name=[JOINTS[i] for i in self.order], position=q[self.order].tolist(),
+                             velocity=v[self.order].tolist(), effort=[0.0] * 6)
+        message.header.stamp = stamp
+        self._states.publish(message)
+        self._load.publish(inertia_message(load_vector(MASS), stamp, 'tool0'))
+        self._covariance.publish(covariance_message(covariance_of(0.05)))
+        self._status.publish(DiagnosticStatus(message='DETERMINED', values=[
+            KeyValue(key='load_id', value='1')]))
+        self._residual.publish(residual_message(
+            JOINTS, self.arm.residual(self.now()), stamp))
+
+
+def listening(listener, prefix=''):
+    """Return what the controller says, as growing lists."""
+    at = f'{prefix}controller/'
+    return SimpleNamespace(
+        phase=listener.listen(String, f'{at}phase', LATCHED),
+        limits=listener.listen(JointTrajectory, f'{at}motion_limits', LATCHED),
+        thresholds=listener.listen(JointState, f'{at}collision_thresholds', measurement(1000)),
+        collision=listener.listen(Bool, f'{at}collision', LATCHED),
+        diagnostics=listener.listen(DiagnosticArray, '/diagnostics', OUTPUT))
+
+
+def arguments(model_file, **parameters):
+    """Return the command line: short dwells and other parameters."""
+    values = {'model': model_file, 'dwell': 0.3, 'home_dwell': 0.2, **parameters}
+    return ['--ros-args', *(part for name, value in values.items()
+                            for part in ('-p', f'{name}:={value}'))]
+
+
+def phases(heard):
+    return [message.data for message in heard.phase]
+
+
+def test_a_cycle_from_a_late_robot_to_done_and_a_clean_end(listener, start, model_file):
+    process = start('controller', *arguments(model_file))
+    heard = listening(listener)
+    listener.until(lambda: phases(heard) == ['home'], what='the first phase')
+    listener.spin(0.5)
+    robot = Robot(listener.node)
+    robot.order = [3, 1, 0, 2, 5, 4]
+    listener.until(lambda: 'carrying' in phases(heard), 30.0, 'carrying')
+    # Also said to whom listens late.
+    late = listening(listener)
+    listener.until(lambda: late.phase and late.limits and late.collision, 5.0, 'latched facts')
+    listener.until(lambda: 'done' in phases(heard), 30.0, 'the end of the cycle')
+    assert phases(heard) == ['home', 'to_pick', 'at_pick', 'carrying', 'at_place', 'returning',
+                             'done']
+    assert not robot.refused and not any(m.data for m in heard.collision)
+    limits = heard.limits[-1]
+    assert list(limits.joint_names) == JOINTS and len(limits.points) == 2
+    for point in limits.points:
+        assert np.all(np.array(point.accelerations) > 0.0)
+        assert np.all(np.array(point.accelerations) <= MODEL.robot.limits.acceleration + 1e-9)
+        assert np.all(np.array(point.velocities) <= MODEL.robot.limits.velocity)
+    threshold = np.array(heard.thresholds[-1].effort)
+    assert threshold.shape == (6,) and np.all(threshold > 0.0)
+    assert process.stop(signal.SIGINT) == 0, process.output
+    assert 'Traceback' not in process.output
+
+
+def test_thresholds_come_at_fifty_hertz_while_moving(listener, start, model_file):
+    start('controller', *arguments(model_file, speed_scale=0.1))
+    heard = listening(listener)
+    Robot(listener.node)
+    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+    before = len(heard.thresholds)
+    listener.spin(2.0)
+    assert phases(heard)[-1] == 'to_pick' and len(heard.thresholds) - before >= 90
+
+
+def test_collision_stops_reset_goes_on_and_sigterm_brakes(listener, start, model_file):
+    process = start('controller', *arguments(model_file, speed_scale=0.15, cycles=0))
+    heard = listening(listener)
+    robot = Robot(listener.node)
+    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+    listener.spin(0.7)
+    robot.arm.push = np.array([0.0, 150.0, 80.0, 0.0, 0.0, 0.0])
+    listener.until(lambda: phases(heard)[-1] == 'stopped', 5.0, 'the stop')
+    listener.until(lambda: heard.collision[-1].data, 2.0, 'the collision')
+    assert not np.any(robot.received[-1].points[-1].velocities)
+    listener.spin(1.0)
+    assert not np.any(robot.arm.state(robot.now())[1])
+    assert np.max(np.abs(robot.arm.state(robot.now())[0] - PICK)) > 0.05
+    robot.arm.push = np.zeros(6)
+    listener.spin(0.2)
+    assert listener.call(Trigger, 'controller/reset', Trigger.Request()).success
+    listener.until(lambda: phases(heard)[-1] == 'to_pick', 5.0, 'the motion to go on')
+    listener.until(lambda: not heard.collision[-1].data, 2.0, 'the end of the collision')
+    listener.until(lambda: np.max(np.abs(robot.arm.state(robot.now())[1])) > 0.1, 5.0, 'motion')
+    count = len(robot.received)
+    process.process.send_signal(signal.SIGTERM)
+    listener.until(lambda: len(robot.received) > count, 5.0, 'the last trajectory')
+    assert process.wait() == 0, process.output
+    last = robot.received[-1].points[-1]
+    assert not np.any(last.velocities) and last.time_from_start.sec < 2
+    listener.spin(2.0)
+    assert not np.any(robot.arm.state(robot.now())[1])
+    assert np.max(np.abs(robot.arm.state(robot.now())[0] - PICK)) > 0.02
+
+
+def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener, start,
+                                                                       model_file):
+    process = start('controller', *arguments(model_file), '-r', '__ns:=/cell')
+    heard = listening(listener, '/cell/')
+    node, robot = listener.node, Robot(listener.node, '/cell/')
+    states = node.create_publisher(JointState, '/cell/joint_states', OUTPUT)
+    covariance = node.create_publisher(Float64MultiArray, '/cell/estimator/load_covariance',
+                                       OUTPUT)
+    residual = node.create_publisher(JointState, '/cell/estimator/residual_torque', OUTPUT)
+
+    def nonsense():
+        for fields in ({'name': JOINTS, 'position': [0.0]}, {'name': []},
+                       {'name': JOINTS, 'position': [float('nan')] * 6},
+                       {'name': JOINTS[:4], 'position': [0.0] * 4}):
+            message = JointState(**fields)
+            message.header.stamp = node.get_clock().now().to_msg()
+            states.publish(message)
+        covariance.publish(Float64MultiArray(data=[1.0, 2.0]))
+        covariance.publish(Float64MultiArray(data=[float('nan')] * 100))
+        residual.publish(JointState(name=JOINTS, effort=[float('nan')] * 6))
+        residual.publish(JointState(name=JOINTS[:2], effort=[1.0]))
+
+    node.create_timer(0.1, nonsense)
+    listener.until(lambda: 'done' in phases(heard), 40.0, 'the end of the cycle')
+    assert not robot.refused and process.process.poll() is None
+    listener.spin(1.2)
+    said = {status.name: status for status in heard.diagnostics[-1].status}
+    rejected = {pair.key: int(pair.value)
+                for pair in said['cell/controller: input'].values}
+    for reason in ('short_arrays', 'not_finite', 'missing_joint', 'residual_joints',
+                   'residual_not_finite', 'estimate_not_finite'):
+        assert rejected[f'rejected {reason}'] > 0, rejected
+    assert 'done' in said['cell/controller: motion'].message
+
+
+@pytest.mark.parametrize('parameters, said', [
+    ({'model': '/nowhere.yaml'}, 'neither a path nor a shipped file'),
+    ({'home': '[0.0,0.0]'}, '6 joint positions'),
+    ({'pick': '[9.0,0.0,0.0,0.0,0.0,0.0]'}, 'outside the joint limits'),
+    ({'speed_scale': 0.0}, 'speed_scale')])
+def test_wrong_parameters_end_with_a_sentence(start, model_file, parameters, said):
+    process = start('controller', *arguments(model_file, **parameters))
+    assert process.wait() == 2
+    assert said in process.output and 'Traceback' not in process.output
+
+
+def test_messages_carry_what_they_should():
+    trajectory = Trajectory([0.0, 0.5, 1.25], np.arange(6.0).reshape(3, 2),
+                            np.ones((3, 2)), np.full((3, 2), 2.0))
+    message = trajectory_message(('a', 'b'), trajectory)
+    assert list(message.joint_names) == ['a', 'b'] and len(message.points) == 2
+    assert list(message.points[1].positions) == [4.0, 5.0]
+    assert (message.points[1].time_from_start.sec,
+            message.points[1].time_from_start.nanosec) == (1, 250000000)
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (0, 0)
+    limits = SimpleNamespace(velocity=np.ones(2), acceleration=np.full(2, 3.0),
+                             deceleration=np.full(2, 4.0))
+    message = limits_message(('a', 'b'), limits, message.header.stamp)
+    assert [list(p.accelerations) for p in message.points] == [[3.0, 3.0], [4.0, 4.0]]

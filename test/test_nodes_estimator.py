@@ -1,0 +1,237 @@
+"""The estimator node over DDS: topics, statuses, services, bad data, clean exits."""
+
+import math
+import signal
+
+import numpy as np
+import pytest
+from arm_data import Feeder, arm_samples
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import InertiaStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+from hand_load_estimator.load import STATUSES
+from hand_load_estimator.nodes.estimate_messages import vector_of_inertia
+from hand_load_estimator.nodes.qos import LATCHED, OUTPUT, measurement
+
+OUTPUTS = {'load': (InertiaStamped, OUTPUT), 'load_variance': (InertiaStamped, OUTPUT),
+           'load_covariance': (Float64MultiArray, OUTPUT), 'status': (DiagnosticStatus, LATCHED),
+           'residual_torque': (JointState, measurement(500)), 'markers': (MarkerArray, OUTPUT)}
+
+
+class Estimator:
+    """A running estimator node and all it says."""
+
+    def __init__(self, start, listener, *arguments, prefix='estimator'):
+        self._listener = listener
+        self.process = start('estimator', '--ros-args', '-p', 'method:=bayes', *arguments)
+        self.heard = {name: listener.listen(kind, f'{prefix}/{name}', qos)
+                      for name, (kind, qos) in OUTPUTS.items()}
+        self.diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
+
+    def status(self):
+        """Return the newest status text, empty before the first."""
+        return self.heard['status'][-1].message if self.heard['status'] else ''
+
+    def values(self):
+        """Return the newest status values."""
+        return {pair.key: pair.value for pair in self.heard['status'][-1].values}
+
+    def mass(self):
+        """Return the newest mass and its standard deviation [kg]."""
+        return (self.heard['load'][-1].inertia.m,
+                math.sqrt(self.heard['load_variance'][-1].inertia.m))
+
+    def said(self, concern):
+        """Return the newest diagnostics (message, values) of a concern."""
+        for message in reversed(self.diagnostics):
+            for status in message.status:
+                if status.name.endswith(f'estimator: {concern}'):
+                    return status.message, {pair.key: pair.value for pair in status.values}
+        return '', {}
+
+    def counted(self, name):
+        """Return a count of the input diagnostics."""
+        return int(self.said('input')[1].get(name, 0))
+
+    def stopped(self, number):
+        """Return exit code and output after a signal."""
+        return self.process.stop(number), self.process.output
+
+
+@pytest.fixture
+def estimator(start, listener):
+    """Return a running Estimator."""
+    return Estimator(start, listener)
+
+
+@pytest.fixture
+def feeder(listener, estimator):
+    """Return a Feeder somebody listens to."""
+    out = Feeder(listener)
+    out.wait()
+    return out
+
+
+def test_every_topic_keeps_the_contract(estimator, feeder, listener):
+    listener.until(lambda: estimator.status() == 'NO_DATA', 20.0, 'a status before data')
+    assert estimator.values()['age'] == 'nan'
+    feeder.warm()
+    feeder.play(arm_samples((3.0,)))
+    listener.spin(0.5)
+    heard = estimator.heard
+    for name in OUTPUTS:
+        assert heard[name], name
+    load, variance = heard['load'][-1], heard['load_variance'][-1]
+    assert load.header.frame_id == variance.header.frame_id == 'tool0'
+    assert [m.header.stamp for m in heard['load']] == \
+        [m.header.stamp for m in heard['load_variance']]
+    covariance = np.reshape(heard['load_covariance'][-1].data, (10, 10))
+    assert np.allclose(np.diag(covariance), vector_of_inertia(variance.inertia))
+    assert np.linalg.eigvalsh(covariance)[0] > -1e-12
+    assert list(heard['residual_torque'][-1].name) == list(feeder.joints)
+    assert np.isfinite(heard['residual_torque'][-1].effort).all()
+    assert {m.id for m in heard['markers'][-1].markers} == {0, 1, 2, 3}
+    assert set(estimator.values()) == {'determined', 'age', 'reason', 'load_id', 'method'}
+    assert estimator.values()['method'] == 'bayes'
+    assert {m.message for m in heard['status']} <= set(STATUSES)
+    mass, std = estimator.mass()
+    assert abs(mass - 3.0) < max(0.15, 4.0 * std)
+    rate = len(heard['load']) / 4.0
+    assert 25.0 < rate < 55.0, 'at most 50 Hz, and not much less, of sample time'
+    late = listener.listen(DiagnosticStatus, 'estimator/status', LATCHED)
+    listener.until(lambda: late, 0.9, 'the latched status')
+
+
+def test_silence_is_told_and_forgiven(estimator, feeder, listener):
+    samples = arm_samples((3.0,))
+    feeder.play(samples[:250])
+    listener.until(lambda: estimator.status() == 'STALE_INPUT', 10.0, 'STALE_INPUT')
+    count = len(estimator.heard['load'])
+    listener.spin(0.3)
+    assert len(estimator.heard['load']) == count, 'nothing new is published without input'
+    listener.until(lambda: 'no joint states' in estimator.said('input')[0], 5.0, 'a warning')
+    feeder.epoch += int(5e9)
+    feeder.play(samples[250:750])
+    listener.until(lambda: estimator.status() in ('ESTIMATING', 'DETERMINED'), 5.0, 'an estimate')
+
+
+def test_every_message_is_used_at_1_khz(estimator, listener):
+    samples = arm_samples((2.0,), 3.0, 1000.0)
+    feeder = Feeder(listener, speed=1.0)
+    feeder.wait()
+    feeder.play(samples)
+    listener.spin(2.5)
+    used = int(estimator.said('estimate')[1]['samples'])
+    assert used == len(samples), estimator.said('input')
+
+
+def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listener):
+    """One bad message of every kind among good ones: the node stays and the load comes out."""
+    samples = arm_samples((3.0,))
+
+    def spoil(k, message):
+        kind, at = divmod(k - 100, 40)
+        if at or k < 100:
+            return message
+        if kind == 0:  # a gripper's own message
+            return JointState(header=message.header, name=['finger'], position=[0.1])
+        if kind == 1:
+            message.name, message.position = message.name[:5], message.position[:5]
+            message.velocity, message.effort = message.velocity[:5], message.effort[:5]
+        elif kind == 2:
+            message.position[3] = math.nan
+        elif kind == 3:
+            message.effort[1] = math.inf
+        elif kind == 4:
+            message.effort = message.effort[:2]
+        elif kind == 5:
+            message.effort = []
+        elif kind == 6:
+            message.header.stamp = estimator_stamp(k - 1)
+        elif kind == 7:
+            message.header.stamp = estimator_stamp(k - 20)
+        elif kind == 8:
+            message.velocity[2] = 1e6
+        elif kind == 9:
+            message.name = [message.name[0]] * 6
+        elif kind == 10:
+            return JointState()
+        elif kind == 11:  # reordered, with one joint more: good
+            order = [3, 0, 5, 1, 4, 2]
+            for field in ('position', 'velocity', 'effort'):
+                values = getattr(message, field)
+                setattr(message, field, [values[j] for j in order] + [0.7])
+            message.name = [message.name[j] for j in order] + ['finger']
+        return message
+
+    def estimator_stamp(k):
+        from hand_load_estimator.nodes.stamps import time_message
+        return time_message(feeder.stamp(samples[k][0]))
+
+    feeder.play(samples, spoil)
+    listener.until(lambda: int(estimator.said('estimate')[1].get('samples', 0)) > 900, 10.0)
+    listener.spin(1.2)
+    rejected = {key.removeprefix('rejected '): int(value) for key, value
+                in estimator.said('input')[1].items() if key.startswith('rejected')}
+    assert rejected.pop('not_finite') == 2
+    assert rejected.pop('short_arrays') == 2
+    assert rejected.pop('repeated_stamp') == 1
+    assert rejected.pop('backward_stamp') == 1
+    assert rejected.pop('implausible_velocity') == 1
+    assert sum(rejected.values()) == 2, rejected  # a joint that is missing, one that is twice
+    mass, std = estimator.mass()
+    assert abs(mass - 3.0) < max(0.2, 4.0 * std)
+    assert estimator.stopped(signal.SIGTERM)[0] == 0
+
+
+def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
+    samples = arm_samples((3.0,))
+    feeder.play(samples[:300])
+    feeder.play(samples[500:700])
+    feeder.epoch -= int(60e9)
+    feeder.play(samples[700:])
+    listener.until(lambda: estimator.counted('rejected clock_restart') == 1
+                   and estimator.counted('rejected gap') >= 1, 5.0, 'the counts')
+    listener.until(lambda: estimator.heard['load'][-1].header.stamp.sec
+                   <= feeder.epoch // 10**9 + 5, 5.0, 'estimates of the new time')
+    assert estimator.process.process.poll() is None
+
+
+def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
+    samples = arm_samples((3.0,))
+    feeder.play(samples)
+    listener.spin(0.3)
+    before = estimator.mass()[0]
+    assert before > 2.5
+    answer = listener.call(Trigger, 'estimator/tare', Trigger.Request())
+    assert answer.success and answer.message
+    feeder.epoch += int(4e9)
+    feeder.play(samples)
+    listener.spin(0.3)
+    assert abs(estimator.mass()[0]) < 0.3
+    answer = listener.call(Trigger, 'estimator/reset', Trigger.Request())
+    assert answer.success and answer.message
+    listener.until(lambda: estimator.status() == 'NO_DATA', 5.0, 'the empty estimate')
+
+
+def test_namespace_and_remapping(start, listener):
+    estimator = Estimator(start, listener, '-r', '__ns:=/left', '-r',
+                          'joint_states:=/robot/joint_states', prefix='/left/estimator')
+    feeder = Feeder(listener, '/robot/joint_states')
+    feeder.wait()
+    feeder.play(arm_samples((3.0,))[:400])
+    listener.until(lambda: estimator.heard['load'], 5.0, 'a load in the namespace')
+    listener.until(lambda: estimator.said('input')[1], 5.0, 'diagnostics')
+    names = {status.name for message in estimator.diagnostics for status in message.status}
+    assert 'left/estimator: input' in names
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_ends_cleanly_on_a_signal(estimator, listener, number):
+    listener.until(lambda: estimator.status(), 20.0, 'a status')
+    code, output = estimator.stopped(number)
+    assert code == 0 and 'Traceback' not in output, output
