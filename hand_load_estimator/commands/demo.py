@@ -68,9 +68,19 @@ def run(args):
     print(f'simulator, estimator and controller start; their logs are in {logs}', flush=True)
     with DemoObserver() as observer, NodeProcesses(settings, load) as processes:
         demo = Demo(observer, processes, LiveTable())
-        demo.run()
+        try:
+            demo.run()
+        finally:
+            # A run that went wrong is worth looking at most.
+            _draw(picture, observer, f'{robot.name}, load {args.seed}')
     print('\n'.join(_summary(demo.carried)))
-    draw_demo(picture, observer.series, observer.joints,
-              f'{robot.name}, load {args.seed}, {demo.carried.method}')
-    print(f'picture: {picture}')
     return 0
+
+
+def _draw(picture, observer, title):
+    if not observer.series['load'] or not observer.series['truth']:
+        return
+    status = observer.last('status')
+    method = status[1].get('method', '') if status else ''
+    draw_demo(picture, observer.series, observer.joints, f'{title}, {method}')
+    print(f'picture: {picture}')

@@ -26,7 +26,7 @@ EVERY = 2         # messages per step of the estimator
 DURATION = 10.0   # [s]
 VELOCITY_NOISE = 2e-3 * np.sqrt(RATE / 500.0)   # [rad/s] as 2 mrad/s at 500 Hz
 NOISE_BANDWIDTH = BANDWIDTH * 3.0 / 16.0        # [Hz] two-sided, of the estimator's filter
-STEPS = int(DURATION * RATE) // EVERY
+SLOW_MEMORY = 0.5                               # [s] typical of slow residuals
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,9 @@ class SequenceMaker:
         difference = load_columns @ load.to_products() + torque - _sliding_friction(model, x)
         difference += _temperature_error(model, x, warmth)
         difference += self._model_error(rng, model, columns, x)
-        difference += disturbances(rng, q, v, a, columns @ model.mean + difference,
-                                   model.residuals.rmse, EVERY / RATE)
+        difference += disturbances(rng, q, v, columns @ model.mean + difference,
+                                   np.sqrt(model.residuals.intensity / (2.0 * SLOW_MEMORY)),
+                                   EVERY / RATE)
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), x)
         level = model.friction_level()
@@ -163,7 +164,8 @@ def _friction_and_noise(rng, model, q, v):
     residuals = model.residuals
     white = rng.uniform(0.3, 1.0, model.robot.n) * np.minimum(
         residuals.rmse ** 2 / NOISE_BANDWIDTH, residuals.intensity)
-    slow = np.maximum(residuals.intensity - white, 0.2 * residuals.intensity)
+    # The measured density is the largest over block lengths and holds what disturbances add.
+    slow = rng.uniform(0.1, 0.7, model.robot.n) * residuals.intensity
     noise = rng.normal(size=q.shape) * np.sqrt(white * RATE)
     return friction + noise + coloured_noise(rng, len(q), slow, 1.0 / RATE)
 

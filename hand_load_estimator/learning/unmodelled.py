@@ -43,8 +43,9 @@ def draw_friction(rng, coulomb, breakaway, turning, viscous, velocity, distance)
     def near(value, spread):
         return value * np.exp(rng.normal(0.0, spread, n))
 
-    return FrictionTruth(near(coulomb, 0.01), near(breakaway, 0.1), near(turning, 0.1),
-                         near(viscous, 0.008), near(velocity, 0.2), near(distance, 0.35),
+    # Coulomb and viscous levels are varied by the model's measured drift (sequences.py).
+    return FrictionTruth(coulomb, near(breakaway, 0.1), near(turning, 0.1),
+                         viscous, near(velocity, 0.2), near(distance, 0.35),
                          rng.uniform(0.0, 0.9, n), rng.uniform(-1.0, 1.0, n))
 
 
@@ -88,20 +89,21 @@ def smooth_curve(rng, x, scale):
     return np.sqrt(2.0 / 6.0) * np.sum(size * np.cos(np.multiply.outer(x, w) + phase), axis=-1)
 
 
-def disturbances(rng, q, v, a, torque, noise, dt):
+def disturbances(rng, q, v, torque, slow, dt):
     """
     Return (N, n) [Nm]: effects nobody declared, each present in some sequences.
 
     Mostly they are what stays hidden below the measured residual; in one sequence of eight they
     stand out of it, because the next robot has one that its recordings did not show.
-    torque (N, n): what the drives hold; noise (n,): residual RMS; dt [s] of a row.
+    torque (N, n): what the drives hold; slow (n,) [Nm]: RMS of the slow part of the measured
+    residual; dt [s] of a row.
     """
     out = np.zeros_like(q)
     n = q.shape[1]
-    sizes = (-0.7, 0.3) if rng.random() < 0.125 else (-1.7, -0.7)
+    sizes = (0.0, 1.2) if rng.random() < 0.125 else (-1.0, 0.0)
     for j in range(n):
         def strength(j=j):
-            return noise[j] * 10.0 ** rng.uniform(*sizes)
+            return slow[j] * 10.0 ** rng.uniform(*sizes)
 
         if rng.random() < 0.7:  # friction has some shape over speed that no formula has
             out[:, j] += 0.3 * strength() * smooth_curve(
@@ -112,12 +114,12 @@ def disturbances(rng, q, v, a, torque, noise, dt):
         if rng.random() < 0.2:  # cables, balancers: smooth in position
             out[:, j] += strength() * smooth_curve(rng, q[:, j], 1.0)
         if rng.random() < 0.2:  # friction that follows the gear's torque
-            share = 0.03 * 10.0 ** rng.uniform(*sizes)
+            share = 0.002 * 10.0 ** rng.uniform(*sizes)
             out[:, j] += share * np.abs(torque[:, j]) * np.tanh(v[:, j] / 0.01)
     if rng.random() < 0.2:  # gain of the effort
-        out += torque * rng.normal(0.0, 0.01 * 10.0 ** rng.uniform(*sizes), n)
+        out += torque * rng.normal(0.0, 0.001 * 10.0 ** rng.uniform(*sizes), n)
     if rng.random() < 0.2:  # effort late against position
-        late = 0.004 * rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(*sizes)
+        late = 4e-4 * rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(*sizes)
         out += late * np.gradient(torque, dt, axis=0)
     return out
 
