@@ -146,49 +146,42 @@ def message_jacobian_of_shape(shape):
     return jacobian
 
 
+# Steiner's term of each second moment in product order is c^T _STEINER[k] c per mass.
+_STEINER = np.array([(i == j) * np.eye(3) - 0.5 * (np.outer(np.eye(3)[i], np.eye(3)[j])
+                                                   + np.outer(np.eye(3)[j], np.eye(3)[i]))
+                     for i, j in _PRODUCT_TENSOR])
+_SHAPE_OF_PRODUCT = [4 + _MESSAGE_TENSOR.index(ij) for ij in _PRODUCT_TENSOR]
+
+
+def _moments_per_mass(shape):
+    """Return second moments about the origin per mass (..., 6) and their slope in c (..., 6, 3)."""
+    c = shape[..., 1:4]
+    turned = c @ _STEINER.reshape(18, 3).T
+    turned = turned.reshape(c.shape[:-1] + (6, 3))
+    moments = shape[..., _SHAPE_OF_PRODUCT] + (turned @ c[..., None])[..., 0]
+    return moments, 2.0 * turned
+
+
 def products_from_shape(shape):
     """Return (..., 10) products of (..., 10) shape vectors."""
-    return products_from_message(message_from_shape(shape))
+    shape = np.asarray(shape, dtype=float)
+    moments, _ = _moments_per_mass(shape)
+    return shape[..., :1] * np.concatenate(
+        [np.ones_like(shape[..., :1]), shape[..., 1:4], moments], axis=-1)
 
 
 def products_jacobian_of_shape(shape):
     """Return d products / d shape, (..., 10, 10)."""
     shape = np.asarray(shape, dtype=float)
-    m, c, g = shape[..., 0], shape[..., 1:4], shape[..., 4:]
+    moments, slope = _moments_per_mass(shape)
+    mass = shape[..., 0]
     jacobian = np.zeros(shape.shape + (10,))
     jacobian[..., 0, 0] = 1.0
-    cc = np.sum(c * c, axis=-1)
-    for i in range(3):
-        jacobian[..., 1 + i, 0] = c[..., i]
-        jacobian[..., 1 + i, 1 + i] = m
-    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
-        row = _PRODUCT_OF_MESSAGE[k]
-        jacobian[..., row, 0] = g[..., k] + (cc if i == j else 0.0) - c[..., i] * c[..., j]
-        jacobian[..., row, 4 + k] = m
-        for a in range(3):
-            steiner = (2.0 * c[..., a] if i == j else 0.0)
-            steiner = steiner - (i == a) * c[..., j] - (j == a) * c[..., i]
-            jacobian[..., row, 1 + a] = m * steiner
-    return jacobian
-
-
-def products_jacobian_of_message(vector):
-    """Return d products / d message vector, (..., 10, 10)."""
-    vector = np.asarray(vector, dtype=float)
-    m, c = vector[..., 0], vector[..., 1:4]
-    jacobian = np.zeros(vector.shape + (10,))
-    jacobian[..., 0, 0] = 1.0
-    cc = np.sum(c * c, axis=-1)
-    for i in range(3):
-        jacobian[..., 1 + i, 0] = c[..., i]
-        jacobian[..., 1 + i, 1 + i] = m
-    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
-        row = _PRODUCT_OF_MESSAGE[k]
-        jacobian[..., row, 0] = (cc if i == j else 0.0) - c[..., i] * c[..., j]
-        jacobian[..., row, 4 + k] = 1.0
-        for a in range(3):
-            steiner = (2.0 * c[..., a] if i == j else 0.0)
-            jacobian[..., row, 1 + a] = m * (steiner - (i == a) * c[..., j] - (j == a) * c[..., i])
+    jacobian[..., 1:4, 0] = shape[..., 1:4]
+    jacobian[..., 4:, 0] = moments
+    jacobian[..., [1, 2, 3], [1, 2, 3]] = mass[..., None]
+    jacobian[..., 4:, 1:4] = mass[..., None, None] * slope
+    jacobian[..., range(4, 10), _SHAPE_OF_PRODUCT] = mass[..., None]
     return jacobian
 
 

@@ -65,13 +65,18 @@ def presliding_path(q, v, dt, distance):
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
-def stuck_density(z, doubt, v, level):
+def stuck_variance(z, doubt, v, level):
     """
-    Return the density [Nm^2 s] of what presliding does to a model that does not know it.
+    Return the variance [Nm^2] of what presliding does to a model that does not know it.
 
     z, doubt, v [rad/s] of any one shape; level: Coulomb level [Nm]. While a joint slides it is
     nothing; a joint that is held, creeps or turns around tells the less.
     """
     share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * (1.0 - z * z)
              + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2)
-    return 2.0 * STUCK_TIME * share * level ** 2
+    return share * level ** 2
+
+
+def stuck_density(z, doubt, v, level):
+    """Return the density [Nm^2 s] of that error at low frequencies."""
+    return 2.0 * STUCK_TIME * stuck_variance(z, doubt, v, level)

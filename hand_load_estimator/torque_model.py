@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .effects import EFFECTS, EffectInput
-from .presliding import PreslidingState, presliding_path, stuck_density
+from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
@@ -184,7 +184,8 @@ class Prediction:
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
     the model's own unit-variance uncertainties do to the torque; z, doubt (n,): friction state
-    and how far its start is unknown; density (n,) [Nm^2 s] of the difference beside the load.
+    and how far its start is unknown; stuck (n,) [Nm^2]: variance of that; density (n,) [Nm^2 s]
+    of the difference beside the load.
     """
 
     difference: np.ndarray
@@ -192,6 +193,7 @@ class Prediction:
     model_columns: np.ndarray
     z: np.ndarray
     doubt: np.ndarray
+    stuck: np.ndarray
     density: np.ndarray
 
 
@@ -223,10 +225,10 @@ class ModelFollower:
         difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
         drift = drift_std(self.model, np.isfinite(sample.temperature))
         nuisances = nuisance_columns(columns, self._uncertain, drift, x)[0]
-        density = self.model.residuals.intensity + stuck_density(
-            z, doubt, sample.v, self._friction)
+        stuck = stuck_variance(z, doubt, sample.v, self._friction)
+        density = self.model.residuals.intensity + 2.0 * STUCK_TIME * stuck
         return Prediction(difference, robot.load_columns(columns[0, :, :10 * robot.n]),
-                          nuisances, z, doubt, density)
+                          nuisances, z, doubt, stuck, density)
 
 
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].

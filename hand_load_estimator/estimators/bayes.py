@@ -1,8 +1,9 @@
 """Method `bayes`: recursive Bayesian regression with physics for weights (E7.3, eq. 13-14)."""
 
 from .load_prior import load_prior
+from .mismatch import MismatchWatch
 from .regression import LoadRegression
-from .weighting import joined_columns
+from .weighting import innovation_of, joined_columns
 
 
 class Bayes:
@@ -14,7 +15,8 @@ class Bayes:
         robot = model.robot
         self._regression = LoadRegression(load_prior(robot), robot.n, uncertainties,
                                           robot.effort.torque_constants_std)
-        self.mismatch = ""
+        self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
+        self._known = self._regression.known()
 
     @property
     def changes(self):
@@ -26,11 +28,24 @@ class Bayes:
         """Stamp [s] of the newest load change, or None."""
         return self._regression.last_change
 
+    @property
+    def mismatch(self):
+        """Why the model does not explain the residual, or an empty string."""
+        return self._watch.reason
+
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
-        self._regression.add(sample, joined_columns(prediction), prediction.difference,
+        columns = joined_columns(prediction)
+        innovation, expected = innovation_of(prediction, columns, self._known,
+                                             self._regression.posterior)
+        self._watch.update(innovation, expected, sample.dt)
+        changes = self.changes
+        self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
+        if self.changes > changes:
+            self._watch.clear()
         self._regression.update_posterior()
+        self._known = self._regression.known()
         return self.belief()
 
     def belief(self):
@@ -40,7 +55,11 @@ class Bayes:
     def forget(self):
         """Forget the load."""
         self._regression.forget()
+        self._watch.clear()
+        self._known = self._regression.known()
 
     def tare(self):
         """Make what is held now the new zero."""
         self._regression.tare()
+        self._watch.clear()
+        self._known = self._regression.known()

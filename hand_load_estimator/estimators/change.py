@@ -40,52 +40,54 @@ def log_bayes_factor(recent, older_mean, older_covariance, change):
 
 
 class RecentData:
-    """The newest pieces of information, apart from the older sum."""
+    """The newest pieces of information, apart from the older sum, which fades."""
 
-    def __init__(self, n, nuisances):
-        self._size = (n, nuisances)
+    def __init__(self, n, nuisances, memory):
+        self._size, self._fade = (n, nuisances), np.exp(-PIECE / memory)
         self.clear()
 
     def clear(self):
         """Forget everything."""
-        self.older = Information(*self._size)
-        self.pieces = deque()
+        self.older, self.pieces = Information(*self._size), deque()
         self._open, self._length = Information(*self._size), 0.0
+        self._closed = Information(*self._size)
 
-    def add(self, columns, difference, weights, dt, moving):
-        """Add a sample; returns True when a piece of motion was completed."""
+    def add(self, columns, difference, weights, moved):
+        """Add a sample that stands for `moved` [s] of motion; tell whether it ended a piece."""
         self._open.add_rows(columns, difference, weights)
-        self._length += dt if moving else 0.0
+        self._length += moved
         if self._length < PIECE:
             return False
         self.pieces.append(self._open)
         self._open, self._length = Information(*self._size), 0.0
         if len(self.pieces) > max(WINDOWS):
+            self.older.scale(self._fade)
             self.older.add(self.pieces.popleft())
+        self._closed = self._sum(self.older, self.pieces)
         return True
 
     def total(self):
         """Return the Information of everything kept."""
-        out = self.older.plus(self._open)
-        for piece in self.pieces:
-            out.add(piece)
-        return out
+        return self._sum(self._closed, (self._open,))
 
     def split(self, count):
         """Return (older, recent) with the last `count` pieces as recent, or None."""
         if len(self.pieces) <= count:
             return None
-        older, recent = self.older.plus(Information(*self._size)), Information(*self._size)
-        for k, piece in enumerate(self.pieces):
-            (recent if k >= len(self.pieces) - count else older).add(piece)
-        return older, recent
+        pieces = list(self.pieces)
+        return (self._sum(self.older, pieces[:-count]),
+                self._sum(Information(*self._size), pieces[-count:]))
 
     def keep_last(self, count):
         """Drop all but the last `count` pieces."""
         self.older = Information(*self._size)
         while len(self.pieces) > count:
             self.pieces.popleft()
+        self._closed = self._sum(self.older, self.pieces)
 
-    def forget(self, factor):
-        """Fade the older sum by a factor."""
-        self.older.scale(factor)
+    def _sum(self, first, others):
+        total = Information(*self._size)
+        total.add(first)
+        for other in others:
+            total.add(other)
+        return total

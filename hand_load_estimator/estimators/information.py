@@ -70,13 +70,6 @@ class Information:
         self.vector *= factor
         self.by_joint *= factor
 
-    def plus(self, other):
-        """Return the sum with another Information."""
-        total = Information(len(self.by_joint), len(self.vector) - 10)
-        total.add(self)
-        total.add(other)
-        return total
-
     def load_share(self):
         """Return (10, 10), (10,): information of the load with the nuisances marginalised."""
         matrix, vector = self.matrix, self.vector

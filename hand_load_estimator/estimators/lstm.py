@@ -16,8 +16,9 @@ from ..torque_model import warmth_of
 from .information import message_covariance
 from .load_prior import load_prior
 from .method import Belief
+from .mismatch import MismatchWatch
 from .regression import LoadRegression
-from .weighting import joined_columns
+from .weighting import innovation_of, joined_columns
 
 
 def _sigmoid(x):
@@ -71,7 +72,7 @@ class Lstm:
         self._calibration = artefact.calibration
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
-        self.mismatch = ''
+        self._watch = MismatchWatch(self._robot.joints, model.residuals.rmse)
         self._restart()
 
     @property
@@ -84,11 +85,19 @@ class Lstm:
         """Stamp [s] of the newest load change, or None."""
         return self._plain.last_change
 
+    @property
+    def mismatch(self):
+        """Why the model does not explain the residual, or an empty string."""
+        return self._watch.reason
+
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         columns = joined_columns(prediction)
+        innovation, expected = innovation_of(prediction, columns, self._known,
+                                             self._plain.posterior)
+        self._watch.update(innovation, expected, sample.dt)
         correction, gain, self._shift, self._spread = bounded(
-            self._cell.step(self._features(sample, prediction, columns)), self._robot.n)
+            self._cell.step(self._features(sample, prediction, innovation)), self._robot.n)
         weights = sample.dt / prediction.density
         changes = self._plain.changes
         self._plain.add(sample, columns, prediction.difference, weights)
@@ -96,6 +105,7 @@ class Lstm:
                           weights * np.exp(gain))
         if self._plain.changes > changes:
             self._learned.keep_recent(self._plain.kept)
+            self._watch.clear()
         self._count += 1
         if self._count % REFRESH == 0:
             self._renew()
@@ -126,6 +136,7 @@ class Lstm:
 
     def _restart(self):
         self._cell.restart()
+        self._watch.clear()
         self._count = 0
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._renew()
@@ -133,12 +144,11 @@ class Lstm:
     def _renew(self):
         """Renew the plain posterior behind the innovations."""
         posterior = self._plain.update_posterior()
-        self._known = np.concatenate([posterior.products, self._plain.nuisance()])
+        self._known = self._plain.known()
         self._relative = np.sqrt(np.diag(posterior.covariance)) / self._prior_std
 
-    def _features(self, sample, prediction, columns):
+    def _features(self, sample, prediction, innovation):
         residuals = self._model.residuals
-        innovation = prediction.difference - columns @ self._known
         warmth = np.where(np.isfinite(sample.temperature),
                           warmth_of(self._robot, sample.temperature), np.nan)
         return features(self._robot.limits, residuals.rmse, residuals.intensity,

@@ -26,21 +26,16 @@ class LoadRegression:
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
-        self._recent = RecentData(n, nuisances)
+        self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.kept = 0, None, 0
-        self.motion_time = 0.0
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
         """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
-        moving = bool((np.abs(sample.v) > MOVING).any())
-        if moving:
-            self.motion_time += sample.dt
-            self._recent.forget(np.exp(-sample.dt / MEMORY))
+        moved = sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
         difference = difference - columns[:, :10] @ self._zero
-        if self._recent.add(columns, difference, weights, sample.dt, moving) \
-                and self._watch:
+        if self._recent.add(columns, difference, weights, moved) and self._watch:
             self._look_for_change(sample.stamp)
 
     def update_posterior(self):
@@ -49,19 +44,19 @@ class LoadRegression:
         self._start = self.posterior.shape
         return self.posterior
 
-    def nuisance(self):
-        """Return the mean (r,) of the model's nuisances at the present posterior."""
-        return self._recent.total().nuisance_given(self.posterior.products)
+    def known(self):
+        """
+        Return (10 + r,): products and nuisances as the present posterior has them.
 
-    @property
-    def zero(self):
-        """Products (10,) declared zero by tare."""
-        return self._zero
+        The products include what tare declared zero, because the torque does.
+        """
+        products = self.posterior.products
+        return np.concatenate([products + self._zero, self._total.nuisance_given(products)])
 
     def forget(self):
         """Forget the load."""
         self._recent.clear()
-        self._start, self.motion_time = self._prior.mean, 0.0
+        self._start = self._prior.mean
         self.posterior = self._solve()
 
     def keep_recent(self, pieces):
@@ -81,7 +76,8 @@ class LoadRegression:
         return Belief(self.posterior.mean, self.posterior.covariance)
 
     def _solve(self):
-        return posterior_of(self._recent.total(), self._prior, self._start, self._gain_doubt,
+        self._total = self._recent.total()
+        return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
                             self._tare)
 
     def _look_for_change(self, stamp):

@@ -1,0 +1,149 @@
+"""The input guard: usable joint states pass in the robot's order, others are counted by kind."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.input_guard import InputGuard
+from hand_load_estimator.joint_stream import JointStream
+from core_helpers import exact_model, four_axes, messages, block
+
+JOINTS = ('a', 'b', 'c')
+Q, V, TAU = [0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [10.0, 20.0, 30.0]
+
+
+@pytest.fixture
+def guard():
+    return InputGuard(JOINTS, [3.0, 3.0, 3.0])
+
+
+def accept(guard, stamp=1.0, names=JOINTS, position=Q, velocity=V, effort=TAU):
+    return guard.accept(stamp, names, position, velocity, effort)
+
+
+def test_a_good_message_passes(guard):
+    for got, wanted in zip(accept(guard), (Q, V, TAU)):
+        np.testing.assert_array_equal(got, wanted)
+    assert not guard.rejected
+
+
+@pytest.mark.parametrize('names, picks', [
+    (('c', 'a', 'b'), [1, 2, 0]),
+    (('left/c', 'left/a', 'left/b'), [1, 2, 0]),
+    (('finger', 'c', 'a', 'b', 'rail'), [2, 3, 1]),
+    (('ur_a', 'ur_b', 'ur_c', 'ur_finger'), [0, 1, 2]),
+    # A second arm whose names end alike must not shadow exact names.
+    (('left_a', 'left_b', 'left_c', 'a', 'b', 'c'), [3, 4, 5])])
+def test_joints_are_found_by_name(guard, names, picks):
+    values = np.arange(len(names), dtype=float)
+    q, v, tau = guard.accept(1.0, names, values, values / 10, values * 10)
+    np.testing.assert_array_equal(q, values[picks])
+    np.testing.assert_array_equal(v, values[picks] / 10)
+    np.testing.assert_array_equal(tau, values[picks] * 10)
+
+
+def test_other_joints_messages_are_passed_over_uncounted(guard):
+    assert accept(guard, names=('finger', 'thumb', 'rail')) is None
+    assert not guard.rejected
+    assert accept(guard) is not None
+
+
+NAN = float('nan')
+BAD = {
+    'missing_joint': dict(names=('a', 'b', 'x')),
+    'ambiguous_joint': dict(names=('l_a', 'r_a', 'l_b', 'r_b', 'l_c', 'r_c'),
+                            position=Q * 2, velocity=V * 2, effort=TAU * 2),
+    'short_arrays': dict(position=Q[:2]),
+    'not_finite': dict(position=[NAN, 0.0, 0.0]),
+    'implausible_velocity': dict(velocity=[0.0, 16.0, 0.0])}
+ALSO_BAD = [
+    ('short_arrays', dict(effort=[])), ('short_arrays', dict(velocity=V[:1])),
+    ('short_arrays', dict(effort=TAU + [1.0])), ('not_finite', dict(effort=[0.0, NAN, 0.0])),
+    ('not_finite', dict(velocity=[0.0, NAN, 0.0])), ('not_finite', dict(stamp=NAN)),
+    ('not_finite', dict(position=[float('inf'), 0.0, 0.0]))]
+
+
+@pytest.mark.parametrize('reason, message', [*BAD.items(), *ALSO_BAD])
+def test_bad_messages_are_counted_by_kind_and_the_next_good_one_passes(guard, reason, message):
+    assert accept(guard, **message) is None
+    assert dict(guard.rejected) == {reason: 1}
+    assert accept(guard, stamp=2.0) is not None
+    assert dict(guard.rejected) == {reason: 1}
+
+
+def test_two_arms_half_of_each_are_not_one_arm(guard):
+    """A message with some joints of the left and others of the right arm is nobody's state."""
+    assert accept(guard, names=('left_a', 'right_b', 'left_c')) is None
+
+
+def test_a_message_without_velocity_passes_and_says_so(guard):
+    q, v, tau = accept(guard, velocity=[])
+    assert np.isnan(v).all() and np.isfinite(q).all() and np.isfinite(tau).all()
+    assert not guard.rejected
+
+
+def test_repeated_and_backward_stamps(guard):
+    assert accept(guard, 1.0) is not None
+    assert accept(guard, 1.0) is None and accept(guard, 0.99) is None
+    assert dict(guard.rejected) == {'repeated_stamp': 1, 'backward_stamp': 1}
+    assert accept(guard, 1.01) is not None and not guard.restarted
+
+
+def test_a_restarted_clock_is_followed(guard):
+    accept(guard, 100.0)
+    assert accept(guard, 3.0) is not None
+    assert guard.restarted and dict(guard.rejected) == {'clock_restart': 1}
+    assert accept(guard, 3.01) is not None and not guard.restarted
+
+
+def test_one_stamp_from_the_future_does_not_lock_out_the_present(guard):
+    accept(guard, 10.0)
+    accept(guard, 99999.0)
+    assert accept(guard, 10.01) is not None
+    assert accept(guard, 10.02) is not None
+
+
+def stream_of(robot, stream):
+    joint_stream, samples = JointStream(robot), []
+    for m in stream:
+        sample = joint_stream.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)
+        if sample is not None:
+            samples.append(sample)
+    return joint_stream, samples
+
+
+def test_a_gap_is_counted_and_restarts_the_filter():
+    model = exact_model('four')
+    stream = messages(model, block(1.0), 2.0)
+    joint_stream, samples = stream_of(model.robot, stream[:80] + stream[120:])
+    assert joint_stream.rejected == {'gap': 1}
+    fresh = [s.stamp - 100.0 for s in samples if s.fresh]
+    assert all(t < 0.1 or 1.2 <= t < 1.3 for t in fresh) and any(t > 1.2 for t in fresh)
+    assert max(s.dt for s in samples) < 0.03
+
+
+def test_a_restarted_clock_restarts_the_filter():
+    model = exact_model('four')
+    stream = messages(model, block(1.0), 2.0)
+    joint_stream, samples = stream_of(model.robot, stream + stream)
+    assert joint_stream.rejected == {'clock_restart': 1}
+    assert all(s.dt > 0.0 for s in samples)
+    first, second = samples[:len(samples) // 2], samples[len(samples) // 2:]
+    np.testing.assert_array_equal([s.a for s in first], [s.a for s in second])
+
+
+@pytest.mark.parametrize('celsius', [NAN, 300.0, -300.0, float('inf')])
+def test_broken_temperatures_are_counted_and_not_used(celsius):
+    robot = four_axes()
+    stream = JointStream(robot)
+    stream.temperature_reading('j1', 31.0)
+    stream.temperature_reading('j1', celsius)
+    assert stream.rejected == {'implausible_temperature': 1}
+    np.testing.assert_array_equal(stream.temperature, [NAN, 31.0, NAN, NAN])
+
+
+def test_temperatures_of_others_are_passed_over_and_prefixes_found():
+    stream = JointStream(four_axes())
+    stream.temperature_reading('gripper', 31.0)
+    stream.temperature_reading('left_j2', 40.0)
+    assert not stream.rejected
+    np.testing.assert_array_equal(stream.temperature, [NAN, NAN, 40.0, NAN])

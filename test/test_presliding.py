@@ -1,0 +1,80 @@
+"""Presliding: a function of the path, forgotten at rest, honest about what it does not know."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.presliding import (presliding_path, PreslidingState, REST_TIME,
+                                            stuck_density)
+
+S = 1e-3
+
+
+def path(q, speed=0.1, dt=0.01):
+    """Return z, doubt (N,) of one joint along positions q at a constant stated speed."""
+    q = np.asarray(q, dtype=float)[:, None]
+    z, doubt = presliding_path(q, np.full_like(q, speed), np.full(len(q), dt), np.array([S]))
+    return z[:, 0], doubt[:, 0]
+
+
+def test_a_long_way_leads_to_the_level_of_its_direction():
+    z, doubt = path(np.linspace(0.0, 20 * S, 200))
+    assert z[-1] == pytest.approx(1.0, abs=1e-6) and doubt[-1] < 1e-6
+    z, _ = path(np.linspace(0.0, -20 * S, 200))
+    assert z[-1] == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_a_reversal_follows_dahls_closed_form():
+    there, back = np.linspace(0.0, 20 * S, 100), 20 * S - np.linspace(0.0, 3 * S, 31)
+    z, _ = path(np.concatenate([there, back]))
+    np.testing.assert_allclose(z[100:], -1.0 + 2.0 * np.exp(-(20 * S - back) / S), atol=1e-6)
+
+
+def test_the_path_counts_and_not_its_sampling():
+    coarse, fine = np.linspace(0.0, 3 * S, 7), np.linspace(0.0, 3 * S, 61)
+    assert path(coarse)[0][-1] == pytest.approx(path(fine)[0][-1], abs=1e-9)
+    assert path(coarse)[1][-1] == pytest.approx(path(fine)[1][-1], abs=1e-9)
+
+
+def test_noise_of_the_encoder_moves_nothing():
+    rng = np.random.default_rng(1)
+    z, doubt = path(rng.uniform(-1e-5, 1e-5, 500))
+    assert (z == 0.0).all() and (doubt == 1.0).all()
+
+
+def test_steps_below_the_dead_band_add_up():
+    z, _ = path(np.arange(0.0, 5 * S, 1e-5))
+    assert z[-1] == pytest.approx(1.0 - np.exp(-5.0), abs=0.02)
+
+
+def test_rest_forgets_and_motion_learns():
+    q = np.concatenate([np.linspace(0.0, 10 * S, 100), np.full(60, 10 * S),
+                        10 * S + np.linspace(0.0, 10 * S, 100)])
+    v = np.concatenate([np.full(100, 0.1), np.zeros(60), np.full(100, 0.1)])
+    _, doubt = presliding_path(q[:, None], v[:, None], np.full(len(q), 0.01), np.array([S]))
+    assert doubt[99, 0] < 1e-3
+    assert doubt[100 + int(REST_TIME / 0.01) + 2, 0] == 1.0
+    assert doubt[100 + int(REST_TIME / 0.01) - 2, 0] < 1e-3, 'a short stop is no rest'
+    assert doubt[-1, 0] < 1e-3
+
+
+def test_joints_are_followed_apart():
+    state = PreslidingState(np.array([S, S, 5 * S]))
+    for k in range(50):
+        z, doubt = state.update(np.array([0.0, 1.0, -1.0]) * k * S / 5,
+                                np.array([0.0, 0.1, -0.1]), 0.01)
+    assert z[0] == 0.0 and z[1] > 0.99 and -0.95 < z[2] < -0.8
+    assert doubt[0] == 1.0 and doubt[1] < 0.01
+    state.restart()
+    assert (state.z == 0.0).all() and (state.doubt == 1.0).all()
+
+
+def test_a_sliding_joint_tells_all_and_a_held_one_little():
+    level = np.array([9.0])
+    sliding = stuck_density(np.array([1.0]), np.array([0.0]), np.array([0.5]), level)
+    turning = stuck_density(np.array([0.0]), np.array([0.0]), np.array([0.5]), level)
+    held = stuck_density(np.array([0.0]), np.array([1.0]), np.array([0.0]), level)
+    assert 0.0 <= sliding < 1e-6 < turning < held
+    # Held, it may be anywhere: density 2 level^2 time of at least a quarter of the level.
+    assert held > 2.0 * (0.25 * level) ** 2
+    assert stuck_density(np.zeros(1), np.ones(1), np.zeros(1), 2 * level) \
+        == pytest.approx(4.0 * held)
