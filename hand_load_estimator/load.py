@@ -185,6 +185,17 @@ def products_jacobian_of_shape(shape):
     return jacobian
 
 
+def products_jacobian_of_message(vector):
+    """Return d products / d message vector, (..., 10, 10)."""
+    vector = np.asarray(vector, dtype=float)
+    massless = vector.copy()
+    massless[..., 4:] = 0.0
+    jacobian = products_jacobian_of_shape(massless)
+    # The inertia stands beside the mass here, not per mass.
+    jacobian[..., range(4, 10), _SHAPE_OF_PRODUCT] = 1.0
+    return jacobian
+
+
 def pseudo_inertia(products):
     """Return the (4, 4) pseudo-inertia of (10,) products; positive definite = physical."""
     p = np.asarray(products, dtype=float)

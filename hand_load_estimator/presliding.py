@@ -22,14 +22,16 @@ CREEP_SPEED = 0.01
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.
 STUCK_TIME = 1.0
+LARGEST_DOUBT = 100.0
 
 
 class PreslidingState:
     """
     Follow z and the doubt about it for joints (or columns) of any number.
 
-    distance (k,): travel s [rad] over which friction turns. z (k,) in [-1, 1];
-    doubt (k,) in [0, 1]: standard deviation of z.
+    distance (k,): travel s [rad] over which friction turns. z (k,) in [-1, 1]; doubt (k,):
+    standard deviation of z, 1 when the path is forgotten. At rest it grows on, because the same
+    unknown friction for a minute tells no more than for a second.
     """
 
     def __init__(self, distance):
@@ -53,8 +55,9 @@ class PreslidingState:
         self.z = np.where(counts, direction + (self.z - direction) * decay, self.z)
         self._anchor = np.where(counts, q, self._anchor)
         self._resting = np.where(np.abs(v) < REST_SPEED, self._resting + dt, 0.0)
-        rested = self._resting > REST_TIME
-        self.doubt = np.where(rested, 1.0, self.doubt * decay)
+        held = self._resting - REST_TIME
+        growing = np.minimum(np.hypot(1.0, held / (2.0 * STUCK_TIME)), LARGEST_DOUBT)
+        self.doubt = np.where(held > 0.0, growing, np.minimum(self.doubt, 1.0) * decay)
         return self.z, self.doubt
 
 

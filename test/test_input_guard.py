@@ -1,13 +1,13 @@
 """The input guard: usable joint states pass in the robot's order, others are counted by kind."""
 
+from core_helpers import block, exact_model, four_axes, messages
 import numpy as np
 import pytest
 
 from hand_load_estimator.input_guard import InputGuard
 from hand_load_estimator.joint_stream import JointStream
-from core_helpers import exact_model, four_axes, messages, block
 
-JOINTS = ('a', 'b', 'c')
+JOINTS = ('pan', 'lift', 'roll')
 Q, V, TAU = [0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [10.0, 20.0, 30.0]
 
 
@@ -27,12 +27,12 @@ def test_a_good_message_passes(guard):
 
 
 @pytest.mark.parametrize('names, picks', [
-    (('c', 'a', 'b'), [1, 2, 0]),
-    (('left/c', 'left/a', 'left/b'), [1, 2, 0]),
-    (('finger', 'c', 'a', 'b', 'rail'), [2, 3, 1]),
-    (('ur_a', 'ur_b', 'ur_c', 'ur_finger'), [0, 1, 2]),
+    (('roll', 'pan', 'lift'), [1, 2, 0]),
+    (('left/roll', 'left/pan', 'left/lift'), [1, 2, 0]),
+    (('finger', 'roll', 'pan', 'lift', 'rail'), [2, 3, 1]),
+    (('ur_pan', 'ur_lift', 'ur_roll', 'ur_finger'), [0, 1, 2]),
     # A second arm whose names end alike must not shadow exact names.
-    (('left_a', 'left_b', 'left_c', 'a', 'b', 'c'), [3, 4, 5])])
+    (('left_pan', 'left_lift', 'left_roll', 'pan', 'lift', 'roll'), [3, 4, 5])])
 def test_joints_are_found_by_name(guard, names, picks):
     values = np.arange(len(names), dtype=float)
     q, v, tau = guard.accept(1.0, names, values, values / 10, values * 10)
@@ -49,8 +49,9 @@ def test_other_joints_messages_are_passed_over_uncounted(guard):
 
 NAN = float('nan')
 BAD = {
-    'missing_joint': dict(names=('a', 'b', 'x')),
-    'ambiguous_joint': dict(names=('l_a', 'r_a', 'l_b', 'r_b', 'l_c', 'r_c'),
+    'missing_joint': dict(names=('pan', 'lift', 'x')),
+    'ambiguous_joint': dict(names=('l_pan', 'r_pan', 'l_lift', 'r_lift', 'l_roll',
+                                   'r_roll'),
                             position=Q * 2, velocity=V * 2, effort=TAU * 2),
     'short_arrays': dict(position=Q[:2]),
     'not_finite': dict(position=[NAN, 0.0, 0.0]),
@@ -72,7 +73,7 @@ def test_bad_messages_are_counted_by_kind_and_the_next_good_one_passes(guard, re
 
 def test_two_arms_half_of_each_are_not_one_arm(guard):
     """A message with some joints of the left and others of the right arm is nobody's state."""
-    assert accept(guard, names=('left_a', 'right_b', 'left_c')) is None
+    assert accept(guard, names=('left_pan', 'right_lift', 'left_roll')) is None
 
 
 def test_a_message_without_velocity_passes_and_says_so(guard):

@@ -3,6 +3,7 @@
 from .load_prior import load_prior
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
+from .rest_watch import RestWatch
 from .weighting import innovation_of, joined_columns
 
 
@@ -14,7 +15,8 @@ class Bayes:
     def __init__(self, model, uncertainties):
         robot = model.robot
         self._regression = LoadRegression(load_prior(robot), robot.n, uncertainties,
-                                          robot.effort.torque_constants_std)
+                                          robot.effort.torque_constants_std,
+                                          RestWatch(model.friction_level(), model.noise))
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._known = self._regression.known()
 

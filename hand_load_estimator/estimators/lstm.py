@@ -18,6 +18,7 @@ from .load_prior import load_prior
 from .method import Belief
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
+from .rest_watch import RestWatch
 from .weighting import innovation_of, joined_columns
 
 
@@ -65,9 +66,9 @@ class Lstm:
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         doubt = self._robot.effort.torque_constants_std
-        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties, doubt)
-        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, doubt,
-                                       watch=False)
+        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties, doubt,
+                                     RestWatch(model.friction_level(), model.noise))
+        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, doubt)
         self._cell = LstmCell(artefact.weights)
         self._calibration = artefact.calibration
         self._level = model.friction_level()

@@ -20,12 +20,13 @@ class LoadRegression:
     Hold the information about the load, give posteriors, notice load changes.
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
-    standard deviation of the torque constants; watch: look for load changes. changes counts load changes; last_change is the
+    standard deviation of the torque constants; rest_watch: RestWatch, or None for a follower that
+    is told of load changes. changes counts load changes; last_change is the
     stamp of the newest, or None; kept: pieces of data kept at that change.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
-        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, rest_watch=None):
+        self._prior, self._gain_doubt, self._rest_watch = prior, gain_doubt, rest_watch
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.kept = 0, None, 0
@@ -35,7 +36,13 @@ class LoadRegression:
         """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
         moved = sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
         difference = difference - columns[:, :10] @ self._zero
-        if self._recent.add(columns, difference, weights, moved) and self._watch:
+        ended = self._recent.add(columns, difference, weights, moved)
+        if self._rest_watch is None:
+            return
+        if self._rest_watch.update(sample, difference):
+            self.keep_recent(0)
+            self._note_change(sample.stamp, 0)
+        elif ended:
             self._look_for_change(sample.stamp)
 
     def update_posterior(self):
@@ -61,7 +68,10 @@ class LoadRegression:
 
     def keep_recent(self, pieces):
         """Drop all but the newest pieces of data: what came before was another load."""
-        self._recent.keep_last(pieces)
+        if pieces:
+            self._recent.keep_last(pieces)
+        else:
+            self._recent.clear()
         self._start = self._prior.mean
 
     def tare(self):
@@ -89,9 +99,12 @@ class LoadRegression:
             mean, covariance = self._older_belief(older)
             if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
                 self.keep_recent(count)
-                self.changes += 1
-                self.last_change, self.kept = stamp, count
+                self._note_change(stamp, count)
                 return
+
+    def _note_change(self, stamp, kept):
+        self.changes += 1
+        self.last_change, self.kept = stamp, kept
 
     def _older_belief(self, older):
         """Return the belief (d,), (d, d) about load and nuisances from older data."""

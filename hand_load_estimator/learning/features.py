@@ -38,7 +38,7 @@ def features(limits, rmse, intensity, motion, difference, innovation, warmth, z,
     known = np.isfinite(warmth).any(axis=-1, keepdims=True)
     per_joint = [np.sin(q), np.cos(q), v / limits.velocity, a / limits.acceleration,
                  squash(difference / rmse), squash(innovation / rmse),
-                 np.nan_to_num(warmth) / 20.0, z, doubt,
-                 np.log(density / intensity) / 6.0, squash(v / 0.01)]
+                 np.nan_to_num(warmth) / 20.0, z, np.minimum(doubt, 1.0),
+                 np.minimum(np.log(density / intensity) / 6.0, 2.0), squash(v / 0.01)]
     return np.concatenate(
         per_joint + [np.log(relative_std) / 5.0, known, dt[..., None] / 0.02 - 1.0], axis=-1)

@@ -1,0 +1,1 @@
+"""Ways of estimating the load, one protocol (method.py), one file each."""

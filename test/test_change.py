@@ -1,0 +1,148 @@
+"""A changed load is noticed soon; the same load is not mistaken for another."""
+
+from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
+import numpy as np
+from plant_helpers import ur10e
+import pytest
+
+from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, PIECE, RecentData,
+                                                   WINDOWS)
+from hand_load_estimator.estimators.information import Information
+from hand_load_estimator.load import LoadParameters
+
+SECONDS = 1.2  # within which a change of 2 kg must be noticed while the arm moves
+
+
+def run(before, after=None, at=3.0, seconds=6.0, seed=0, model=None):
+    """Return the estimates and the pipeline of a run whose load changes."""
+    model = model or exact_model('ur10e')
+    pipeline = warm(pipeline_of(model))
+    stream = messages(model, before, seconds, seed=seed, change=(at, after) if after else None)
+    return feed(pipeline, stream), pipeline
+
+
+@pytest.mark.parametrize('before, after', [
+    (LoadParameters(), block(2.0)), (block(2.0), LoadParameters()), (block(3.0), block(5.0)),
+    (block(5.0), block(3.0))])
+def test_a_change_of_two_kilograms_is_noticed_and_the_new_load_found(before, after):
+    estimates, pipeline = run(before, after)
+    noticed = [e.stamp - 103.0 for e in estimates if e.load_id > 0]
+    assert noticed and 0.0 < noticed[0] < SECONDS
+    assert any(e.status == 'LOAD_CHANGED' for e in estimates)
+    first = next(e for e in estimates if e.load_id > 0)
+    assert first.status == 'LOAD_CHANGED'
+    assert pipeline.load_id == 1, 'one change is one change'
+    last = estimates[-1]
+    assert abs(last.mean[0] - after.mass) < max(3.0 * last.std[0], 0.03)
+    old = [e for e in estimates if e.stamp < 103.0][-1]
+    assert abs(old.mean[0] - before.mass) < max(3.0 * old.std[0], 0.03)
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_the_same_load_is_the_same_load(seed):
+    estimates, pipeline = run(block([0.0, 2.0, 9.0][seed % 3]) if seed % 3 else LoadParameters(),
+                              seed=seed, seconds=5.0)
+    assert pipeline.load_id == 0
+    assert not any(e.status == 'LOAD_CHANGED' for e in estimates)
+
+
+def test_a_change_at_rest_waits_for_motion():
+    """Nothing that happens while the arm stands is read as a change of load."""
+    model = exact_model('ur10e')
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, messages(model, block(2.0), 2.0, rest=2.0))
+    assert pipeline.load_id == 0
+
+
+@pytest.mark.parametrize('at', [3.0, 3.05, 3.2])
+@pytest.mark.parametrize('before, after', [(0.0, 0.5), (2.0, 2.5), (2.0, 6.0)])
+def test_nothing_of_the_old_load_is_left_in_the_new_ones_estimate(before, after, at):
+    """
+    Once a change is noticed, the interval must hold the new load and not a mixture.
+
+    A small change is noticed late, when much of the recent data still comes from the old load.
+    """
+    loads = [block(mass) if mass else LoadParameters() for mass in (before, after)]
+    estimates, pipeline = run(*loads, at=at, seconds=6.0)
+    assert pipeline.load_id > 0
+    noticed = next(e.stamp for e in estimates if e.load_id > 0)
+    late = [e for e in estimates if e.stamp > noticed + 0.5]
+    off = np.array([abs(e.mean[0] - after) / e.std[0] for e in late])
+    assert np.mean(off < 3.0) > 0.95, f'off by {off.max():.1f} standard deviations'
+    assert late[-1].std[0] < 0.1
+
+
+def information(rng, load, count, extra=0):
+    robot, out = ur10e(), Information(6, extra)
+    for _ in range(count):
+        q, v, a = rng.uniform(-1.5, 1.5, (3, 6))
+        k = np.hstack([robot.load_regressor(q, v, a), rng.normal(size=(6, extra))])
+        torque = k[:, :10] @ load.to_products() + rng.normal(size=6)
+        out.add_rows(k, torque, np.ones(6))
+    return out
+
+
+def dense_factor(recent, mean, covariance, change):
+    """Return the log Bayes factor from two normals of z, written out."""
+    z = recent.vector - recent.matrix @ mean
+    noise = recent.matrix + recent.matrix @ covariance @ recent.matrix
+    shift = recent.matrix[:, :10] @ change @ recent.matrix[:10]
+
+    def log_normal(s):
+        return -0.5 * (z @ np.linalg.solve(s, z) + np.linalg.slogdet(s)[1])
+
+    return log_normal(noise + shift) - log_normal(noise)
+
+
+@pytest.mark.parametrize('extra', [0, 3])
+@pytest.mark.parametrize('mass', [2.0, 4.0])
+def test_evidence_is_the_ratio_of_two_normals(extra, mass):
+    rng = np.random.default_rng(1)
+    d = 10 + extra
+    recent = information(rng, block(mass), 40, extra)
+    mean = np.concatenate([block(2.0).to_products(), np.zeros(extra)])
+    root = 0.05 * rng.normal(size=(d, d))
+    covariance, change = root @ root.T, np.diag(np.linspace(0.5, 0.02, 10) ** 2)
+    got = log_bayes_factor(recent, mean, covariance, change)
+    assert got == pytest.approx(dense_factor(recent, mean, covariance, change), rel=1e-5,
+                                abs=1e-5)
+
+
+def test_evidence_speaks_for_the_same_load_and_against_another():
+    rng = np.random.default_rng(2)
+    covariance, change = 1e-6 * np.eye(10), np.diag([4.0] + [0.2] * 3 + [0.02] * 6)
+    same = log_bayes_factor(information(rng, block(3.0), 30), block(3.0).to_products(),
+                            covariance, change)
+    other = log_bayes_factor(information(rng, block(5.0), 30), block(3.0).to_products(),
+                             covariance, change)
+    assert same < 0.0 and other > EVIDENCE
+
+
+def test_recent_data_keep_every_row_once():
+    rng, whole = np.random.default_rng(3), Information(6, 2)
+    recent, ends = RecentData(6, 2, memory=1e12), 0
+    for k in range(120):
+        columns, torque = rng.normal(size=(6, 12)), rng.normal(size=6)
+        ends += recent.add(columns, torque, np.ones(6), 0.02 if k % 4 else 0.0)
+        whole.add_rows(columns, torque, np.ones(6))
+        if k % 17 == 0:
+            for name in ('matrix', 'vector', 'by_joint'):
+                np.testing.assert_allclose(getattr(recent.total(), name), getattr(whole, name),
+                                           atol=1e-8)
+    assert ends == pytest.approx(90 * 0.02 / PIECE, abs=1) and len(recent.pieces) == max(WINDOWS)
+    older, newest = recent.split(3)
+    np.testing.assert_allclose(newest.vector, sum(p.vector for p in list(recent.pieces)[-3:]),
+                               atol=1e-8)
+    before = recent.total()
+    recent.keep_last(3)
+    np.testing.assert_allclose(recent.total().matrix, before.matrix - older.matrix, atol=1e-6)
+    assert recent.split(3) is None
+
+
+def test_old_data_fade_with_the_stated_memory():
+    recent, ones = RecentData(6, 0, memory=10.0), np.ones((6, 10))
+    pieces = max(WINDOWS) + 100
+    for _ in range(pieces):
+        recent.add(ones, np.zeros(6), np.ones(6), PIECE)
+    faded = np.sum(np.exp(-PIECE / 10.0 * np.arange(100)))
+    assert recent.total().matrix[0, 0] == pytest.approx(6.0 * (max(WINDOWS) + faded), rel=1e-6)

@@ -1,0 +1,209 @@
+"""Torque model files: nothing is lost on the way, edits take effect, nonsense is refused."""
+
+import copy
+
+from core_helpers import exact_model, four_axes
+import numpy as np
+import pytest
+import yaml
+
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.load import PRODUCT_ORDER
+from hand_load_estimator.model_file import model_content, read_model, write_model
+from hand_load_estimator.torque_model import (EffectUse, Residuals, TorqueModel, parameter_count,
+                                              torque_columns, uncertain_directions)
+from hand_load_estimator.effects import EFFECTS, EffectInput
+
+
+@pytest.fixture(scope='module')
+def model():
+    """Return a model with every effect, correlations and uncommon numbers."""
+    robot, rng = four_axes(), np.random.default_rng(1)
+    uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j] for s in e.shapes})
+                 for j in range(robot.n) for e in EFFECTS.values())
+    size = parameter_count(robot.n, uses)
+    mean = rng.normal(size=size) * 10.0 ** rng.uniform(-4, 1, size)
+    root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
+    return TorqueModel(robot, uses, True, mean, root @ root.T, Residuals(
+        rng.uniform(0.1, 2.0, 4), rng.uniform(1e-3, 1e-1, 4), rng.uniform(0.0, 0.3, (4, 3))),
+        ('one', 'two: with a colon'), (14.5, 51.0))
+
+
+@pytest.fixture
+def content(model):
+    return copy.deepcopy(model_content(model))
+
+
+def written(tmp_path, content):
+    path = tmp_path / 'edited.yaml'
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def columns_of(model, count=50):
+    """Return Y (count, n, P) at random motions."""
+    rng, shape = np.random.default_rng(2), (50, model.robot.n)
+    return torque_columns(model.robot, model.uses, EffectInput(
+        rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
+        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape)))
+
+
+def test_round_trip(model, tmp_path):
+    write_model(tmp_path / 'model.yaml', model)
+    back = read_model(tmp_path / 'model.yaml')
+    np.testing.assert_allclose(back.mean, model.mean, rtol=1e-7)
+    assert back.uses == model.uses and back.links_declared == model.links_declared
+    assert back.recordings == model.recordings and back.temperatures == model.temperatures
+    for name in ('rmse', 'intensity', 'drift'):
+        np.testing.assert_allclose(getattr(back.residuals, name),
+                                   getattr(model.residuals, name), rtol=1e-3)
+    np.testing.assert_array_equal(back.robot.nominal_links, model.robot.nominal_links)
+    assert back.robot.joints == model.robot.joints
+
+
+def test_the_covariance_does_the_same_to_the_torque(model, tmp_path):
+    write_model(tmp_path / 'model.yaml', model)
+    back, y = read_model(tmp_path / 'model.yaml'), columns_of(model)
+    before, after = (np.einsum('knp,pq,knq->kn', y, m.covariance, y) for m in (model, back))
+    np.testing.assert_allclose(after, before, rtol=1e-4)
+    assert np.linalg.eigvalsh(back.covariance)[0] > -1e-9 * np.linalg.eigvalsh(
+        back.covariance)[-1]
+    spread = [np.sum((y @ uncertain_directions(m, 12, 0)) ** 2) for m in (model, back)]
+    assert spread[1] == pytest.approx(spread[0], rel=1e-3)
+
+
+def test_writing_what_was_read_changes_nothing(model, tmp_path):
+    write_model(tmp_path / 'one.yaml', model)
+    write_model(tmp_path / 'two.yaml', read_model(tmp_path / 'one.yaml'))
+    assert (tmp_path / 'one.yaml').read_text() == (tmp_path / 'two.yaml').read_text()
+
+
+def test_a_model_moves_without_its_robot_file(tmp_path):
+    from hand_load_estimator.robot import load_robot
+    home = tmp_path / 'home'
+    home.mkdir()
+    (home / 'arm.urdf').write_text(four_axes().file.content['urdf'])
+    (home / 'arm.yaml').write_text(yaml.safe_dump(
+        {**four_axes().file.content, 'urdf': 'arm.urdf'}))
+    robot = load_robot(home / 'arm.yaml')
+    plain = exact_model('four')
+    moved = TorqueModel(robot, plain.uses, False, plain.mean, plain.covariance, plain.residuals)
+    write_model(home / 'model.yaml', moved)
+    (home / 'model.yaml').rename(tmp_path / 'model.yaml')
+    for file in ('arm.urdf', 'arm.yaml'):
+        (home / file).unlink()
+    back = read_model(tmp_path / 'model.yaml')
+    q = np.full(4, 0.3)
+    np.testing.assert_allclose(back.torque(q, q, q), moved.torque(q, q, q), rtol=1e-6)
+
+
+def test_a_mean_and_a_std_edited_by_hand_take_effect_and_nothing_else(model, content, tmp_path):
+    entry = content['effects'][3]
+    use, where = model.slices()[3]
+    parameter = entry['parameters'][use.effect.parameters[0][0]]
+    parameter['mean'], parameter['std'] = 12.5, 0.75
+    content['links']['j2']['mz']['mean'] = 0.125
+    back, place = read_model(written(tmp_path, content)), where.start
+    changed = model.mean.copy()
+    changed[place] = 12.5
+    changed[20 + PRODUCT_ORDER.index('mz')] = 0.125
+    np.testing.assert_allclose(back.mean, changed, rtol=1e-7)
+    std = np.sqrt(np.diag(model.covariance))
+    std[place] = 0.75
+    np.testing.assert_allclose(np.sqrt(np.diag(back.covariance)), std, rtol=1e-5)
+    scale = np.sqrt(np.diag(back.covariance))
+    before = np.sqrt(np.diag(model.covariance))
+    np.testing.assert_allclose(back.covariance / np.outer(scale, scale),
+                               model.covariance / np.outer(before, before), atol=1e-5)
+
+
+def test_an_effect_for_several_joints_is_one_for_each(content, tmp_path):
+    """A person may write one entry for all joints."""
+    parameters = {'level': {'mean': 2.0, 'std': 0.1, 'unit': 'Nm'}}
+    content['effects'] = [{'name': 'coulomb_friction', 'joints': ['j0', 'j3'],
+                           'parameters': parameters}]
+    content['correlations'] = []
+    back = read_model(written(tmp_path, content))
+    np.testing.assert_array_equal(back.friction_level(), [2.0, 0.0, 0.0, 2.0])
+    assert np.count_nonzero(back.covariance[40:, 40:]) == 2
+
+
+def test_numbers_as_people_write_them(content, tmp_path):
+    """`1e-3` is a number to a person and, without a dot, a text to YAML 1.1."""
+    path = written(tmp_path, content)
+    name = f"mean: {content['links']['j0']['m']['mean']}"
+    text = path.read_text()
+    assert name in text
+    path.write_text(text.replace(name, 'mean: 5e-1', 1))
+    assert 0.5 in read_model(path).mean
+
+
+def change(*keys, to):
+    """Return an edit that sets (or with DELETE removes) a nested value."""
+    def edit(content):
+        for key in keys[:-1]:
+            content = content[key]
+        if to is DELETE:
+            del content[keys[-1]]
+        else:
+            content[keys[-1]] = to
+    return edit
+
+
+DELETE = object()
+WRONG = {
+    'schema': (change('schema', to='hand_load/torque_model/9'), 'schema'),
+    'no schema': (change('schema', to=DELETE), 'schema'),
+    'no robot': (change('robot', to=DELETE), 'robot'),
+    'robot a text': (change('robot', to='ur10e'), 'robot'),
+    'robot with a wrong value': (change('robot', 'gravity', to=[0, 0]), 'gravity'),
+    'effects a text': (change('effects', to='friction'), 'effects'),
+    'effect unknown': (change('effects', 0, 'name', to='magic'), 'effects[0]: name'),
+    'effect a text': (change('effects', 1, to='coulomb_friction'), 'effects[1]'),
+    'effect of an unknown joint': (change('effects', 0, 'joints', to=['j7']), 'j7'),
+    'effect without parameters': (change('effects', 0, 'parameters', to=DELETE), 'parameters'),
+    'effect with a wrong key': (change('effects', 0, 'shpae', to={}), 'shpae'),
+    'parameter unknown': (change('effects', 0, 'parameters', 'colour', to={
+        'mean': 1.0, 'std': 0.0}), 'colour'),
+    'parameter not a number': (change('effects', 1, 'parameters', 'level', 'mean', to='much'),
+                               'mean'),
+    'std negative': (change('effects', 1, 'parameters', 'level', 'std', to=-1.0), 'std'),
+    'std missing': (change('effects', 1, 'parameters', 'level', 'std', to=DELETE), 'std'),
+    'no links': (change('links', to=DELETE), 'links'),
+    'a link missing': (change('links', 'j1', to=DELETE), 'j1'),
+    'a link too many': (change('links', 'j9', to={}), 'j9'),
+    'a product missing': (change('links', 'j1', 'Ixy', to=DELETE), 'Ixy'),
+    'a product NaN': (change('links', 'j1', 'Ixy', 'mean', to=float('nan')), 'mean'),
+    'noise of three': (change('residual', 'torque_noise', to=[1.0, 1.0, 1.0]), 'torque_noise'),
+    'noise of nothing': (change('residual', 'torque_noise', to=[0.0] * 4), 'torque_noise'),
+    'density zero': (change('residual', 'low_frequency_density', to=[0.0] * 4),
+                     'low_frequency_density'),
+    'drift of two': (change('residual', 'drift_std', to=[[1.0, 1.0]] * 4), 'drift_std'),
+    'drift negative': (change('residual', 'drift_std', to=[[-1.0, 1.0, 1.0]] * 4), 'drift_std'),
+    'residual unknown key': (change('residual', 'colour', to=1), 'colour'),
+    'temperatures of one': (change('temperatures', to=[20.0]), 'temperatures'),
+    'recordings a number': (change('recordings', to=5), 'recordings'),
+    'recordings a text': (change('recordings', to='one'), 'recordings'),
+    'correlations short': (change('correlations', to=[[]]), 'correlations'),
+    'correlations a text': (change('correlations', to='none'), 'correlations'),
+    'a correlation a text': (change('correlations', 3, to=[0.0, 0.0, 'x']), 'correlations'),
+    'a correlation a number': (change('correlations', 3, to=7), 'correlations'),
+    'a correlation of two': (change('correlations', 3, to=[0.0, 0.0, 2.0]), 'correlations'),
+    'a correlation NaN': (change('correlations', 3, to=[0.0, 0.0, float('nan')]),
+                          'correlations'),
+    'a key nobody knows': (change('colour', to='red'), 'colour')}
+
+
+@pytest.mark.parametrize('case', WRONG)
+def test_wrong_model_files_are_refused_with_file_and_key(content, tmp_path, case):
+    edit, key = WRONG[case]
+    edit(content)
+    path = written(tmp_path, content)
+    with pytest.raises(ConfigurationError) as caught:
+        read_model(path)
+    assert key in str(caught.value) and str(path) in str(caught.value)
+
+
+def test_a_model_file_that_is_not_there(tmp_path):
+    with pytest.raises(ConfigurationError, match='model.yaml.*cannot be read'):
+        read_model(tmp_path / 'model.yaml')
