@@ -56,6 +56,8 @@ def contestants(robot, models, learned):
         'bayes': Contestant(ours, lambda f: Bayes(ours, f.uncertainties)),
         'lstm, temperatures withheld': Contestant(ours, lstm, blind=True),
         'least squares, Coulomb + viscous': Contestant(
+            textbook, lambda f: LeastSquares(textbook, skip_standing=False)),
+        'the same, standing joints left out': Contestant(
             textbook, lambda f: LeastSquares(textbook, skip_standing=True)),
         'recursive least squares, nominal model': Contestant(
             nominal, lambda f: LeastSquares(nominal, skip_standing=False)),

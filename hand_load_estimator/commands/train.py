@@ -16,7 +16,7 @@ def add_arguments(parser):
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
                         help='training sequences of 10 s (default 6400)')
     parser.add_argument('--passes', type=int, default=None, metavar='N',
-                        help='passes over them (default 12)')
+                        help='passes over them (default 9)')
 
 
 def run(args):

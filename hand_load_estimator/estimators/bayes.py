@@ -38,9 +38,9 @@ class Bayes:
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         columns = joined_columns(prediction)
-        innovation, expected = innovation_of(prediction, columns, self._known,
-                                             self._regression.posterior)
-        self._watch.update(innovation, expected, sample.dt)
+        innovation, spread, _ = innovation_of(prediction, columns, self._known,
+                                              self._regression.posterior)
+        self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         changes = self.changes
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)

@@ -27,34 +27,31 @@ def _sigmoid(x):
 
 
 class LstmCell:
-    """One LSTM layer and its linear head, a step at a time; torch's gate order i, f, g, o."""
+    """One LSTM layer run along every joint, and its heads; torch's gate order i, f, g, o."""
 
-    def __init__(self, weights):
-        self._input = weights['lstm.weight_ih_l0']
-        self._hidden = weights['lstm.weight_hh_l0']
+    def __init__(self, weights, joints):
+        self._input = weights['lstm.weight_ih_l0'].T
+        self._hidden = weights['lstm.weight_hh_l0'].T
         self._bias = weights['lstm.bias_ih_l0'] + weights['lstm.bias_hh_l0']
-        self._head, self._head_bias = weights['head.weight'], weights['head.bias']
+        self._joint = weights['joint_head.weight'].T, weights['joint_head.bias']
+        self._load = weights['load_head.weight'], weights['load_head.bias']
+        self._joints = joints
         self.restart()
 
     def restart(self):
         """Forget the past."""
-        size = self._hidden.shape[1]
-        self._h, self._c = np.zeros(size), np.zeros(size)
+        self._h, self._c = np.zeros((2, self._joints, self._hidden.shape[0]))
 
     def step(self, inputs):
-        """Return the head's outputs for inputs (F,)."""
-        gates = self._input @ inputs + self._hidden @ self._h + self._bias
-        i, f, g, o = np.split(gates, 4)
+        """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
+        gates = inputs @ self._input + self._h @ self._hidden + self._bias
+        i, f, g, o = np.split(gates, 4, axis=1)
         self._c = _sigmoid(f) * self._c + _sigmoid(i) * np.tanh(g)
         self._h = _sigmoid(o) * np.tanh(self._c)
-        return self._head @ self._h + self._head_bias
-
-
-def bounded(out, n):
-    """Return correction, gain (n,), shift, spread (10,) of the head's outputs."""
-    return (CORRECTION * np.tanh(out[:n]), GAIN * np.tanh(out[n:2 * n] / GAIN),
-            SHIFT * np.tanh(out[2 * n:2 * n + 10] / SHIFT),
-            SPREAD * np.tanh(out[2 * n + 10:] / SPREAD))
+        joint = self._h @ self._joint[0] + self._joint[1]
+        load = self._load[0] @ self._h.ravel() + self._load[1]
+        return (CORRECTION * np.tanh(joint[:, 0]), GAIN * np.tanh(joint[:, 1] / GAIN),
+                SHIFT * np.tanh(load[:10] / SHIFT), SPREAD * np.tanh(load[10:] / SPREAD))
 
 
 class Lstm:
@@ -69,7 +66,7 @@ class Lstm:
         self._plain = LoadRegression(self._prior, self._robot.n, uncertainties, doubt,
                                      RestWatch(model.friction_level(), model.noise))
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, doubt)
-        self._cell = LstmCell(artefact.weights)
+        self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
@@ -94,11 +91,10 @@ class Lstm:
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         columns = joined_columns(prediction)
-        innovation, expected = innovation_of(prediction, columns, self._known,
-                                             self._plain.posterior)
-        self._watch.update(innovation, expected, sample.dt)
-        correction, gain, self._shift, self._spread = bounded(
-            self._cell.step(self._features(sample, prediction, innovation)), self._robot.n)
+        load = innovation_of(prediction, columns, self._known, self._plain.posterior)
+        self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
+        correction, gain, self._shift, self._spread = self._cell.step(
+            self._features(sample, prediction, load))
         weights = sample.dt / prediction.density
         changes = self._plain.changes
         self._plain.add(sample, columns, prediction.difference, weights)
@@ -148,11 +144,11 @@ class Lstm:
         self._known = self._plain.known()
         self._relative = np.sqrt(np.diag(posterior.covariance)) / self._prior_std
 
-    def _features(self, sample, prediction, innovation):
+    def _features(self, sample, prediction, load):
         residuals = self._model.residuals
         warmth = np.where(np.isfinite(sample.temperature),
                           warmth_of(self._robot, sample.temperature), np.nan)
-        return features(self._robot.limits, residuals.rmse, residuals.intensity,
-                        (sample.q, sample.v, sample.a), prediction.difference, innovation,
-                        warmth, prediction.z, prediction.doubt, prediction.density,
-                        self._relative, np.array(sample.dt))
+        return features(self._robot.limits, (residuals.rmse, residuals.intensity),
+                        (sample.q, sample.v, sample.a), warmth,
+                        (prediction.z, prediction.doubt, prediction.density),
+                        prediction.difference, load, self._relative, np.array(sample.dt))

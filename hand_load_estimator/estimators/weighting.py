@@ -10,10 +10,11 @@ def joined_columns(prediction):
 
 def innovation_of(prediction, columns, known, posterior):
     """
-    Return innovation (n,) [Nm] and the variance (n,) [Nm^2] that belief and friction give it.
+    Return innovation, its variance by the belief about the load [Nm^2], the load's torque, (n,).
 
     known (10 + r,): products and nuisances believed; posterior: the Posterior they belong to.
     """
     load = prediction.load_columns
     spread = np.einsum('ij,jk,ik->i', load, posterior.products_covariance, load)
-    return prediction.difference - columns @ known, np.maximum(spread, 0.0) + prediction.stuck
+    return (prediction.difference - columns @ known, np.maximum(spread, 0.0),
+            load @ known[:10])

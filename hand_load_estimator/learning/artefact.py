@@ -18,7 +18,8 @@ from .features import feature_count
 SCHEMA = 'hand_load/learned/1'
 WEIGHTS, CARD = 'lstm.safetensors', 'card.json'
 _SHAPES = ('lstm.weight_ih_l0', 'lstm.weight_hh_l0', 'lstm.bias_ih_l0', 'lstm.bias_hh_l0',
-           'head.weight', 'head.bias', 'calibration')
+           'joint_head.weight', 'joint_head.bias', 'load_head.weight', 'load_head.bias',
+           'calibration')
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def _check(folder, card, tensors, robot):
     n = robot.n
     expected = dict(zip(_SHAPES, (
         (4 * hidden, feature_count(n)), (4 * hidden, hidden), (4 * hidden,), (4 * hidden,),
-        (2 * n + 20, hidden), (2 * n + 20,), (10,))))
+        (2, hidden), (2,), (20, n * hidden), (20,), (10,))))
     for name, shape in expected.items():
         if name not in tensors or tensors[name].shape != shape \
                 or not np.isfinite(tensors[name]).all():

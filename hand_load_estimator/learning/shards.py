@@ -27,7 +27,8 @@ def prior_tensors(robot):
 
 def bayes_pass(robot, columns, difference, weights):
     """
-    Return innovation (B, T, n) [Nm] and relative std (B, T, 10) of the plain regression.
+    Return innovation [Nm], variance of the load's torque [Nm^2], that torque [Nm], (B, T, n)
+    each, and relative std (B, T, 10), as the plain regression has them.
 
     At each step they come from the posterior of the last finished chunk of REFRESH samples, as
     in the running estimator.
@@ -38,19 +39,29 @@ def bayes_pass(robot, columns, difference, weights):
     shape, covariance = shape_posterior(load_matrix, load_vector, mean, std)
     _, variance = message_moments(shape, covariance)
     _, prior_variance = message_moments(mean, torch.diag(std ** 2))
-    products = products_of_shape(shape)[0]
+    products, jacobian = products_of_shape(shape)
+    spread = jacobian @ covariance @ jacobian.transpose(-1, -2)
     nuisance = torch.linalg.solve(
         matrix[..., 10:, 10:].double() + torch.eye(matrix.shape[-1] - 10, dtype=torch.float64),
         (vector[..., 10:].double()
          - (matrix[..., 10:, :10].double() @ products[..., None]).squeeze(-1)))
     known = torch.cat([products, nuisance], dim=-1)
-    first = torch.cat([products_of_shape(mean)[0], torch.zeros(nuisance.shape[-1], dtype=torch.float64)])
-    known = torch.cat([first.expand(len(known), 1, -1), known[:, :-1]], dim=1)
-    relative = torch.sqrt(variance / prior_variance)
-    relative = torch.cat([torch.ones_like(relative[:, :1]), relative[:, :-1]], dim=1)
-    known = known.repeat_interleave(REFRESH, dim=1).to(columns.dtype)
+    first, slope = products_of_shape(mean)
+    first = torch.cat([first, torch.zeros(nuisance.shape[-1], dtype=torch.float64)])
+    known = _delayed(known, first, columns)
+    spread = _delayed(spread, slope @ torch.diag(std ** 2) @ slope.T, columns)
+    relative = _delayed(torch.sqrt(variance / prior_variance),
+                        torch.ones(10, dtype=torch.float64), columns)
+    load = columns[..., :10]
+    torque = (load @ known[..., :10, None]).squeeze(-1)
     innovation = difference - (columns @ known[..., None]).squeeze(-1)
-    return innovation, relative.repeat_interleave(REFRESH, dim=1)
+    return innovation, ((load @ spread) * load).sum(dim=-1).clamp(min=0.0), torque, relative
+
+
+def _delayed(values, first, like):
+    """Return values (B, C, ...) of the chunk before, for each of its samples."""
+    shifted = torch.cat([first.expand(len(values), 1, *first.shape), values[:, :-1]], dim=1)
+    return shifted.repeat_interleave(REFRESH, dim=1).to(like.dtype)
 
 
 def make_shard(maker, robot, seeds):
@@ -59,11 +70,11 @@ def make_shard(maker, robot, seeds):
     stack = {name: torch.tensor(np.stack([getattr(s, name) for s in sequences]))
              for name in vars(sequences[0])}
     weights = DT / stack['density']
-    innovation, relative = bayes_pass(robot, stack['columns'], stack['difference'], weights)
+    *load, relative = bayes_pass(robot, stack['columns'], stack['difference'], weights)
     inputs = np.stack([features(
-        robot.limits, s.rmse, s.intensity, np.moveaxis(s.motion, 1, 0), s.difference,
-        innovation[k].numpy(), s.warmth, s.z, s.doubt, s.density, relative[k].numpy(),
-        np.full(len(s.z), DT)) for k, s in enumerate(sequences)])
+        robot.limits, (s.rmse, s.intensity), np.moveaxis(s.motion, 1, 0), s.warmth,
+        (s.z, s.doubt, s.density), s.difference, [x[k].numpy() for x in load],
+        relative[k].numpy(), np.full(len(s.z), DT)) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
             'load': stack['load'], 'begin': stack['begin']}

@@ -38,8 +38,8 @@ class Recipe:
     sequences: int = 6400
     calibration: int = 640
     validation: int = 640
-    passes: int = 12
-    hidden: int = 96
+    passes: int = 9
+    hidden: int = 48
     learning_rate: float = 4e-3
     seed: int = 1
 

@@ -93,14 +93,14 @@ def disturbances(rng, q, v, torque, slow, dt):
     """
     Return (N, n) [Nm]: effects nobody declared, each present in some sequences.
 
-    Mostly they are what stays hidden below the measured residual; in one sequence of eight they
+    Mostly they are what stays hidden below the measured residual; in one sequence of ten they
     stand out of it, because the next robot has one that its recordings did not show.
     torque (N, n): what the drives hold; slow (n,) [Nm]: RMS of the slow part of the measured
     residual; dt [s] of a row.
     """
     out = np.zeros_like(q)
     n = q.shape[1]
-    sizes = (0.0, 1.2) if rng.random() < 0.125 else (-1.0, 0.0)
+    sizes = (0.0, 1.2) if rng.random() < 0.1 else (-1.0, 0.0)
     for j in range(n):
         def strength(j=j):
             return slow[j] * 10.0 ** rng.uniform(*sizes)

@@ -1,0 +1,284 @@
+"""Identification finds the parameters of an arm made of the torque model itself."""
+
+from core_helpers import block, exact_model, four_axes, messages, recording_of
+import numpy as np
+import pytest
+
+from hand_load_estimator.cli import main
+from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
+from hand_load_estimator.errors import ConfigurationError, RecordingError
+from hand_load_estimator.identification import declare, Evidence, identify, nominal_model, prior
+from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.load_file import write_load_file
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.motion import Motion
+from hand_load_estimator.recording import JointSample, Recording, RecordingWriter
+from hand_load_estimator.torque_model import (effect_slices, EffectUse, motion_input,
+                                              parameter_count, torque_columns)
+
+NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
+         'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
+         'torque_offset')
+DT = 0.02
+TRUE_SHAPE = {'stribeck_velocity': 0.12, 'presliding_distance': 1.5e-3}
+
+
+def waves(robot, rng, seconds, celsius):
+    """Return a Motion of many sines, filtered as far as identification knows."""
+    t = np.arange(int(seconds / DT)) * DT
+    q, v, a = (np.zeros((len(t), robot.n)) for _ in range(3))
+    for w in 2.0 * np.pi * np.array([0.06, 0.13, 0.21, 0.33, 0.47]):
+        size, phase = rng.uniform(0.1, 0.5, robot.n) * 0.6 / w, rng.uniform(0, 6.3, robot.n)
+        angle = w * t[:, None] + phase
+        q += size * np.sin(angle)
+        v += size * w * np.cos(angle)
+        a -= size * w * w * np.sin(angle)
+    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius))
+
+
+class Made:
+    """An arm whose parameters were drawn from identification's own prior."""
+
+    def __init__(self, robot, seed=1, density=None, recordings=4, seconds=30.0, names=NAMES):
+        rng = np.random.default_rng(seed)
+        self.robot = robot
+        self.uses = tuple(EffectUse(n, j, {s.name: TRUE_SHAPE[s.name] for s in EFFECTS[n].shapes})
+                          for j in range(robot.n) for n in names if n in EFFECTS)
+        mean, covariance = prior(robot, self.uses, 'link_inertia' in names)
+        self.x = mean + 0.5 * np.sqrt(np.diag(covariance)) * rng.normal(size=len(mean))
+        for use, where in effect_slices(robot.n, self.uses):
+            if use.name in ('coulomb_friction', 'presliding_hysteresis'):
+                self.x[where.start] = 0.04 * robot.limits.torque[use.joint]
+            if use.name == 'stribeck_friction':
+                self.x[where.start] = 0.03 * robot.limits.torque[use.joint]
+        self.density = density or (4e-3 * robot.limits.torque) ** 2 * DT
+        distance = np.full(robot.n, TRUE_SHAPE['presliding_distance'])
+        self.evidence = []
+        for k in range(recordings):
+            # Each temperature twice: leaving one recording out must not extrapolate.
+            motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
+            columns = torque_columns(robot, self.uses, motion_input(robot, motion, distance)[0])
+            noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
+            self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))
+
+
+@pytest.fixture(scope='module')
+def made():
+    return Made(four_axes())
+
+
+@pytest.fixture(scope='module')
+def found(made):
+    return identify(made.robot, made.evidence, list(NAMES))
+
+
+def test_parameters_are_found_within_their_stated_deviations(made, found):
+    """e^T S^-1 e of a right answer is chi-square; identification states its noise a bit wide."""
+    assert [u.name for u in found.uses] == [u.name for u in made.uses]
+    error = found.mean - made.x
+    free = np.flatnonzero(np.diag(found.covariance) > 0.0)
+    covariance = found.covariance[np.ix_(free, free)]
+    scale = np.sqrt(np.diag(covariance))
+    distance = (error[free] / scale) @ np.linalg.solve(covariance / np.outer(scale, scale),
+                                                       error[free] / scale)
+    assert 0.2 < distance / len(free) < 1.3
+    assert (np.abs(error[free]) < 4.5 * scale).all()
+
+
+def test_stated_deviations_are_small_where_it_matters(made, found):
+    """A wide answer is easily right; friction and torque must be known well, too."""
+    std = np.sqrt(np.diag(found.covariance))
+    for use, where in found.slices():
+        if use.name in ('coulomb_friction', 'viscous_friction'):
+            assert std[where.start] < 0.1 * 0.04 * made.robot.limits.torque[use.joint]
+    rng, n = np.random.default_rng(5), made.robot.n
+    q, v, a = rng.uniform(-1, 1, (3, 200, n))
+    columns = torque_columns(made.robot, found.uses, EffectInput(
+        q, v, a, np.zeros_like(q), np.sign(v)))
+    off = columns @ (found.mean - made.x)
+    stated = np.sqrt(np.einsum('knp,pq,knq->kn', columns, found.covariance, columns))
+    assert np.sqrt(np.mean(off ** 2, axis=0) / np.mean(stated ** 2, axis=0)).max() < 1.6
+    nominal, _ = prior(made.robot, found.uses, True)
+    before = columns @ (nominal - made.x)
+    assert (np.std(off, axis=0) < 0.05 * np.std(before, axis=0)).all()
+
+
+def test_shapes_are_found_on_their_grid(found):
+    shapes = {name: [u.shape[name] for u in found.uses if name in u.shape]
+              for name in TRUE_SHAPE}
+    assert shapes['presliding_distance'] == [1.5e-3] * 4
+    assert shapes['stribeck_velocity'].count(0.12) >= 3
+
+
+def test_the_noise_is_found(made, found):
+    """The low-frequency density is the largest of four estimates, so it may only be wide."""
+    ratio = found.residuals.intensity / made.density
+    assert (0.9 < ratio).all() and (ratio < 1.8).all()
+    rms = np.sqrt(made.density / DT)
+    np.testing.assert_allclose(found.noise, rms, rtol=0.1)
+
+
+def test_nothing_drifts_where_nothing_drifts(made, found):
+    assert (found.residuals.drift[:, 0] < 0.05 * np.sqrt(made.density / DT)).all()
+
+
+def test_what_changes_between_recordings_is_drift(made):
+    """An offset of another size in every recording is found as such, not as noise."""
+    rng = np.random.default_rng(3)
+    offsets = 0.01 * made.robot.limits.torque * rng.choice([-1.0, 1.0], (4, 4))
+    evidence = [Evidence(e.name, e.motion, e.torque + offsets[k])
+                for k, e in enumerate(made.evidence)]
+    drift = identify(made.robot, evidence, list(NAMES)).residuals.drift
+    expected = 0.01 * made.robot.limits.torque
+    assert (drift[:, 0] > 0.5 * expected).all() and (drift[:, 0] < 2.5 * expected).all()
+
+
+def test_what_it_came_from_is_kept(found):
+    assert found.recordings == ('run 0', 'run 1', 'run 2', 'run 3')
+    assert found.temperatures == (15.0, 35.0) and found.links_declared
+
+
+def test_a_single_recording_is_enough(made):
+    model = identify(made.robot, made.evidence[:1], list(NAMES))
+    assert np.isfinite(model.mean).all() and (model.noise > 0.0).all()
+
+
+def test_without_temperatures_their_effects_are_left_out(made):
+    blind = [Evidence(e.name, Motion(**{**vars(e.motion), 'temperature': np.full(
+        e.motion.q.shape, np.nan)}), e.torque) for e in made.evidence[1:2]]
+    model = identify(made.robot, blind)
+    assert model.temperatures is None
+    assert not any('temperature' in u.name for u in model.uses)
+    assert {'coulomb_friction', 'viscous_friction'} <= {u.name for u in model.uses}
+
+
+def test_only_declared_effects_are_in_the_model(made):
+    model = identify(made.robot, made.evidence[:1], ['coulomb_friction'])
+    assert {u.name for u in model.uses} == {'coulomb_friction'} and not model.links_declared
+    np.testing.assert_array_equal(model.mean[:40], made.robot.nominal_links)
+    assert not model.covariance[:40].any()
+
+
+def test_an_unknown_effect_is_refused(made):
+    with pytest.raises(ConfigurationError, match='--effects.*sticktion.*coulomb_friction'):
+        identify(made.robot, made.evidence, ['coulomb_friction', 'sticktion'])
+
+
+def test_too_little_motion_is_refused(made):
+    robot, motion = made.robot, made.evidence[0].motion
+    still = Motion(**{**vars(motion), 'v': np.zeros_like(motion.v)})
+    short = Motion(**{name: value[:100] for name, value in vars(motion).items()})
+    for bad in (still, short):
+        torque = np.zeros_like(bad.q)
+        with pytest.raises(RecordingError, match='my run.*of motion.*at least 3 s'):
+            identify(robot, [Evidence('my run', bad, torque)], list(NAMES))
+
+
+def test_a_sensor_behind_the_gear_sees_no_friction_and_no_rotor():
+    robot = four_axes(effort={'kind': 'link_torque', 'includes_configured_load': False})
+    uses, links = declare(robot, None, True)
+    assert links and {u.name for u in uses} == {'torque_offset'}
+    plain = Made(robot, names=('link_inertia', 'torque_offset'), recordings=2)
+    model = identify(robot, plain.evidence)
+    assert (model.friction_level() == 0.0).all()
+    np.testing.assert_allclose(model.noise, np.sqrt(plain.density / DT), rtol=0.1)
+
+
+def test_every_effect_by_default():
+    uses, links = declare(four_axes(), None, True)
+    assert links and {u.name for u in uses} == set(DEFAULT_EFFECTS) - {'link_inertia'}
+    assert len(uses) == 4 * (len(DEFAULT_EFFECTS) - 1)
+
+
+def test_a_nominal_model_is_the_robot_file():
+    robot = four_axes()
+    model = nominal_model(robot, np.full(4, 0.01))
+    q = np.array([0.1, -0.4, 0.7, 0.2])
+    np.testing.assert_allclose(model.torque(q, q, q), robot.rigid_torque(q, q, q))
+
+
+# The command, with recordings.
+
+def record(path, load, seed=1, velocity=True, load_file=None):
+    """Write a 12 s recording of the exact four-axis model carrying a load."""
+    model = exact_model('four')
+    stream = messages(model, load, 12.0, seed=seed, size=1.2)
+    recording = recording_of(stream, model.robot.joints)
+    if not velocity:
+        recording = Recording('', [JointSample(s.stamp, s.names, s.position, np.array([]),
+                                               s.effort) if isinstance(s, JointSample) else s
+                                   for s in recording.samples])
+    with RecordingWriter(path) as writer:
+        for sample in recording.samples:
+            writer.write(sample)
+    if load_file is not None:
+        write_load_file(path / 'load.yaml', load_file)
+    return str(path)
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory):
+    """Return a folder with a robot file and recordings with and without a load."""
+    import yaml
+    out = tmp_path_factory.mktemp('identify')
+    (out / 'arm.yaml').write_text(yaml.safe_dump(four_axes().file.content))
+    record(out / 'empty', LoadParameters(), load_file=LoadParameters())
+    record(out / 'loaded', block(2.0), load_file=block(2.0))
+    record(out / 'unknown', LoadParameters())
+    return out
+
+
+def identified(folder, *arguments):
+    """Run the command; return (status, model or None)."""
+    out = folder / 'model.yaml'
+    out.unlink(missing_ok=True)
+    status = main(['identify', *arguments, '--robot', str(folder / 'arm.yaml'),
+                   '--out', str(out)])
+    return status, read_model(out) if out.exists() else None
+
+
+def test_a_known_load_gives_the_same_model_as_none(folder):
+    effects = '--effects=coulomb_friction,viscous_friction,presliding_hysteresis,torque_offset'
+    (one, empty), (two, loaded) = (identified(folder, str(folder / run), effects)
+                                   for run in ('empty', 'loaded'))
+    assert one == two == 0
+    deviation = np.sqrt(np.diag(empty.covariance) + np.diag(loaded.covariance))[40:]
+    assert (np.abs(empty.mean - loaded.mean)[40:] < 4.0 * deviation).all()
+    _, ignored = identified(folder, str(folder / 'loaded'), effects, '--load', 'none')
+    assert (np.abs(empty.mean - ignored.mean)[40:] > 8.0 * deviation).any()
+
+
+def test_what_the_load_argument_says_goes_before_load_yaml(folder):
+    write_load_file(folder / 'two.yaml', block(2.0))
+    effects = '--effects=coulomb_friction,viscous_friction'
+    _, own = identified(folder, str(folder / 'loaded'), effects)
+    _, told = identified(folder, str(folder / 'loaded'), effects, '--load',
+                         str(folder / 'two.yaml'))
+    np.testing.assert_array_equal(own.mean, told.mean)
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['unknown'], ['unknown', 'does not say its load', '--load']),
+    (['nowhere'], ['nowhere']), (['empty', '--effects', 'magic'], ['magic', 'coulomb_friction']),
+    (['empty', '--load', 'nowhere.yaml'], ['--load', 'nowhere.yaml']),
+    (['half'], ['half', 'com']),
+    # The same half-known load, told on the command line, is no better known.
+    (['loaded', '--load', 'half.yaml'], ['half.yaml', 'com'])])
+def test_wrong_input_ends_with_two_and_one_line(folder, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(folder)
+    (folder / 'half.yaml').write_text('mass: 2.0\n')
+    if not (folder / 'half').exists():
+        record(folder / 'half', block(2.0))
+        (folder / 'half' / 'load.yaml').write_text('mass: 2.0\n')
+    status, model = identified(folder, *arguments)
+    said = capsys.readouterr().err.strip().splitlines()[-1]
+    assert status == 2 and model is None
+    assert said.startswith('hand_load identify: ') and all(word in said for word in words)
+
+
+def test_temperature_and_counts_come_from_the_recording(folder):
+    from hand_load_estimator.recording import read_recording
+    motion, rejected = motion_of(four_axes(), read_recording(folder / 'empty'))
+    assert not rejected and (motion.temperature == 25.0).all()
+    assert 550 < len(motion.stamp) < 620

@@ -1,0 +1,316 @@
+"""The LSTM method: numpy runs what torch trained, on the features it was trained on."""
+
+import json
+
+from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+import numpy as np
+import pytest
+import torch
+
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators import lstm as lstm_module, regression
+from hand_load_estimator.estimators.build import build_method, determined_std
+from hand_load_estimator.estimators.lstm import bounded, Lstm, LstmCell
+from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.estimators.weighting import joined_columns
+from hand_load_estimator.learning.artefact import read_artefact, write_artefact
+from hand_load_estimator.learning.features import feature_count, features, REFRESH
+from hand_load_estimator.learning.network import LoadNetwork
+from hand_load_estimator.learning.objective import answers
+from hand_load_estimator.learning.shards import bayes_pass, prior_tensors
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.torque_model import ModelFollower
+
+HIDDEN = 12
+
+
+def network_of(robot, seed=1, size=0.3):
+    """Return a double-precision network with a head that does something."""
+    torch.manual_seed(seed)
+    network = LoadNetwork(feature_count(robot.n), robot.n, HIDDEN).double()
+    with torch.no_grad():
+        for value in network.head.parameters():
+            value.normal_(0.0, size)
+    return network
+
+
+def artefact_of(folder, robot, network, calibration=None, **card):
+    """Write a network as an artefact and return it as it is read."""
+    weights = {k: v.detach().float().numpy() for k, v in network.state_dict().items()}
+    write_artefact(folder, weights, np.ones(10) if calibration is None else calibration,
+                   {'joints': list(robot.joints), 'effort_kind': robot.effort.kind, **card})
+    return read_artefact(folder, robot)
+
+
+def rounded(network):
+    """Return the network with its weights as the artefact's single precision keeps them."""
+    return network.float().double()
+
+
+def pipeline_with(model, artefact):
+    follower = ModelFollower(model)
+    return Pipeline(model, follower, Lstm(model, follower.uncertainties, artefact),
+                    determined_std(model.robot))
+
+
+@pytest.fixture(scope='module')
+def robot():
+    return four_axes()
+
+
+@pytest.fixture(scope='module')
+def silent(tmp_path_factory, robot):
+    """Return the artefact of a network that has learnt nothing: all outputs zero."""
+    network = network_of(robot, size=0.0)
+    return artefact_of(tmp_path_factory.mktemp('silent'), robot, network)
+
+
+@pytest.fixture(scope='module')
+def loud(tmp_path_factory, robot):
+    """Return (network, artefact) of a network that speaks on all outputs."""
+    network = rounded(network_of(robot))
+    return network, artefact_of(tmp_path_factory.mktemp('loud'), robot, network)
+
+
+def test_the_numpy_cell_is_torchs_lstm(robot, loud):
+    network, artefact = loud
+    inputs = np.random.default_rng(1).normal(0.0, 1.5, (200, feature_count(robot.n)))
+    cell = LstmCell(artefact.weights)
+    ours = [np.concatenate(bounded(cell.step(row), robot.n)) for row in inputs]
+    with torch.no_grad():
+        theirs = torch.cat(network(torch.tensor(inputs)[None]), dim=-1)[0].numpy()
+    assert np.abs(theirs).max() > 0.1
+    np.testing.assert_allclose(ours, theirs, atol=1e-5)
+    cell.restart()
+    np.testing.assert_allclose(np.concatenate(bounded(cell.step(inputs[0]), robot.n)), ours[0])
+
+
+class Spy:
+    """Notes what a Lstm sees and says while a stream runs through it."""
+
+    def __init__(self, monkeypatch, model, artefact):
+        self.inputs, self.samples, self.predictions, self.beliefs = [], [], [], []
+        monkeypatch.setattr(lstm_module, 'features', self._features)
+        self.pipeline = warm(pipeline_with(model, artefact))
+        method = self.pipeline.method
+        update = method.update
+
+        def spied(sample, prediction):
+            self.samples.append(sample)
+            self.predictions.append(prediction)
+            self.beliefs.append(update(sample, prediction))
+            return self.beliefs[-1]
+
+        method.update = spied
+
+    def _features(self, *arguments):
+        self.inputs.append(features(*arguments))
+        return self.inputs[-1]
+
+    def shard(self, model):
+        """Return the batch that training would have made of the same samples."""
+        count = len(self.samples) // REFRESH * REFRESH
+        samples, predictions = self.samples[:count], self.predictions[:count]
+
+        def stack(things, name):
+            return torch.tensor(np.array([getattr(t, name) for t in things]))[None]
+
+        difference, density = stack(predictions, 'difference'), stack(predictions, 'density')
+        columns = torch.tensor(np.array([joined_columns(p) for p in predictions]))[None]
+        dt = torch.tensor([s.dt for s in samples])
+        weights = dt[None, :, None] / density
+        innovation, relative = bayes_pass(model.robot, columns, difference, weights)
+        inputs = features(
+            model.robot.limits, model.residuals.rmse, model.residuals.intensity,
+            tuple(np.array([getattr(s, name) for s in samples]) for name in 'qva'),
+            difference[0].numpy(), innovation[0].numpy(),
+            np.array([s.temperature for s in samples]) - model.robot.reference_temperature,
+            stack(predictions, 'z')[0].numpy(), stack(predictions, 'doubt')[0].numpy(),
+            density[0].numpy(), relative[0].numpy(), dt.numpy())
+        return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
+                'difference': difference, 'weights': weights,
+                'level': torch.tensor(model.friction_level())[None]}
+
+
+@pytest.fixture
+def spied(monkeypatch, loud):
+    """Return (model, spy, network) after a stream; nothing fades, as in training."""
+    monkeypatch.setattr(regression, 'MEMORY', 1e12)
+    model, (network, artefact) = exact_model('four'), loud
+    spy = Spy(monkeypatch, model, artefact)
+    feed(spy.pipeline, messages(model, block(2.0), 4.0))
+    assert len(spy.samples) > 150 and spy.pipeline.load_id == 0
+    return model, spy, network
+
+
+def test_features_are_the_same_in_training_and_running(spied):
+    model, spy, _ = spied
+    batch = spy.shard(model)['inputs'][0].numpy()
+    running = np.array(spy.inputs[:len(batch)])
+    assert running.shape[1] == feature_count(model.robot.n)
+    # The first solutions of a chunk are 3 Gauss-Newton steps here and 5 there.
+    np.testing.assert_allclose(running, batch, atol=1e-3)
+    assert (np.ptp(batch, axis=0) > 0.0).sum() > 0.9 * batch.shape[1] - 10
+
+
+def test_answers_are_the_same_in_training_and_running(spied):
+    """Mean and variance after every fifth sample: layer, network and estimator agree."""
+    model, spy, network = spied
+    shard = spy.shard(model)
+    judged = range(4, len(spy.beliefs) // REFRESH, 5)
+    with torch.no_grad():
+        mean, variance = answers(network, shard, *prior_tensors(model.robot), judged=judged)
+    for place, k in enumerate(judged):
+        belief = spy.beliefs[(k + 1) * REFRESH - 1]
+        std = np.sqrt(np.diag(belief.covariance))
+        np.testing.assert_allclose((belief.mean - mean[0, place].numpy()) / std, 0.0, atol=0.01)
+        np.testing.assert_allclose(std, np.sqrt(variance[0, place].numpy()), rtol=0.01)
+
+
+def test_a_network_that_says_nothing_is_bayes(silent):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 4.0)
+    plain = feed(warm(pipeline_of(model)), stream)
+    ours = feed(warm(pipeline_with(model, silent)), stream)
+    for one, other in zip(plain[::10], ours[::10]):
+        np.testing.assert_allclose(one.mean, other.mean, atol=1e-6)
+        np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-4, atol=1e-12)
+
+
+def test_the_network_changes_the_answer(silent, loud):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.5)
+    quiet = feed(warm(pipeline_with(model, silent)), stream)[-1]
+    spoken = feed(warm(pipeline_with(model, loud[1])), stream)[-1]
+    assert abs(spoken.mean[0] - quiet.mean[0]) > 0.3 * quiet.std[0]
+    assert np.abs(np.log(spoken.std / quiet.std)).max() > 0.1
+
+
+def test_calibration_scales_standard_deviations(tmp_path, robot, silent):
+    factors = np.linspace(0.8, 2.0, 10)
+    wide = artefact_of(tmp_path, robot, network_of(robot, size=0.0), factors)
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.0)
+    one, other = (feed(warm(pipeline_with(model, a)), stream)[-1] for a in (silent, wide))
+    np.testing.assert_allclose(other.std / one.std, factors, rtol=1e-5)
+    np.testing.assert_array_equal(other.mean, one.mean)
+
+
+def test_a_changed_load_is_noticed_in_step_with_bayes(silent):
+    model = exact_model('four')
+    stream = messages(model, LoadParameters(), 5.0, change=(2.5, block(2.0)))
+    bayes, pipeline = warm(pipeline_of(model)), warm(pipeline_with(model, silent))
+    plain, ours = feed(bayes, stream), feed(pipeline, stream)
+    assert [e.load_id for e in ours] == [e.load_id for e in plain]
+    assert pipeline.load_id > 0
+    # Both regressions must have dropped the same data.
+    np.testing.assert_allclose(ours[-1].mean, plain[-1].mean, atol=1e-5)
+    np.testing.assert_allclose(ours[-1].std, plain[-1].std, rtol=1e-3)
+
+
+def test_reset_and_tare_reach_the_network(silent, loud):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.5)
+    for artefact in (silent, loud[1]):
+        pipeline = warm(pipeline_with(model, artefact))
+        fresh = pipeline.estimate(0.0)
+        feed(pipeline, stream)
+        pipeline.reset()
+        np.testing.assert_allclose(pipeline.estimate(0.0).mean, fresh.mean)
+        np.testing.assert_allclose(pipeline.estimate(0.0).covariance, fresh.covariance)
+    pipeline, plain = warm(pipeline_with(model, silent)), warm(pipeline_of(model))
+    for p in (pipeline, plain):
+        feed(p, stream)
+        p.tare()
+        feed(p, [type(m)(m.stamp + 3.0, *list(vars(m).values())[1:]) for m in stream])
+    np.testing.assert_allclose(pipeline.estimate(0.0).mean, plain.estimate(0.0).mean, atol=1e-5)
+
+
+def test_extreme_inputs_stay_finite(robot, loud):
+    cell = LstmCell(loud[1].weights)
+    with np.errstate(over='ignore'):
+        for size in (1e3, -1e3, 1e6):
+            assert np.isfinite(cell.step(np.full(feature_count(robot.n), size))).all()
+
+
+# The artefact as files.
+
+def test_the_artefact_is_two_small_files_without_pickle(tmp_path, robot):
+    artefact_of(tmp_path, robot, network_of(robot))
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['card.json', 'lstm.safetensors']
+    assert json.loads((tmp_path / 'card.json').read_text())['schema'] == 'hand_load/learned/1'
+
+
+def test_the_artefact_runs_with_any_model_of_the_arm(robot, loud):
+    """Another model of the same joints: other effects, other numbers of nuisances."""
+    for model in (exact_model('four'), exact_model('four', ('coulomb_friction',)),
+                  exact_model('four', doubt=0.05)):
+        last = feed(warm(pipeline_with(model, loud[1])), messages(model, block(2.0), 1.5))[-1]
+        assert np.isfinite(last.mean).all() and (last.std > 0.0).all()
+
+
+def wreck(folder, how):
+    """Damage an artefact in a named way."""
+    weights, card = folder / 'lstm.safetensors', folder / 'card.json'
+    content = json.loads(card.read_text())
+    changes = {'joints': ['a', 'b', 'c', 'd'], 'effort_kind': 'motor_current',
+               'schema': 'hand_load/learned/9'}
+    if how in changes:
+        card.write_text(json.dumps({**content, how: changes[how]}))
+    elif how == 'card is a list':
+        card.write_text('[]')
+    elif how == 'joints are a number':
+        card.write_text(json.dumps({**content, 'joints': 4}))
+    elif how == 'card is no JSON':
+        card.write_text('{')
+    elif how == 'no card':
+        card.unlink()
+    elif how == 'no weights':
+        weights.unlink()
+    elif how == 'weights cut':
+        weights.write_bytes(weights.read_bytes()[:-50])
+    elif how == 'weights are noise':
+        weights.write_bytes(b'\xff' * 500)
+    else:
+        tensors = _read(weights)
+        if how == 'a tensor missing':
+            del tensors['head.bias']
+        elif how == 'a tensor of another shape':
+            tensors['head.bias'] = tensors['head.bias'][:-1]
+        elif how == 'a tensor of another rank':
+            tensors['lstm.weight_hh_l0'] = tensors['lstm.weight_hh_l0'].ravel()
+        elif how == 'a NaN':
+            tensors['head.bias'][0] = np.nan
+        elif how == 'a calibration of nothing':
+            tensors['calibration'][0] = 0.0
+        _write(weights, tensors)
+
+
+def _read(path):
+    from safetensors.numpy import load_file
+    return {k: v.copy() for k, v in load_file(path).items()}
+
+
+def _write(path, tensors):
+    from safetensors.numpy import save_file
+    save_file(tensors, path)
+
+
+@pytest.mark.parametrize('how', [
+    'joints', 'effort_kind', 'schema', 'card is a list', 'joints are a number',
+    'card is no JSON', 'no card', 'no weights', 'weights cut', 'weights are noise',
+    'a tensor missing', 'a tensor of another shape', 'a tensor of another rank', 'a NaN',
+    'a calibration of nothing'])
+def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
+    artefact_of(tmp_path, robot, network_of(robot))
+    wreck(tmp_path, how)
+    with pytest.raises(ConfigurationError) as caught:
+        read_artefact(tmp_path, robot)
+    assert str(tmp_path) in str(caught.value)
+
+
+def test_build_takes_the_named_artefact(tmp_path, robot):
+    artefact_of(tmp_path, robot, network_of(robot))
+    model = exact_model('four')
+    method = build_method(model, ModelFollower(model).uncertainties, 'lstm', str(tmp_path))
+    assert method.name == 'lstm'
