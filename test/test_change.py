@@ -1,5 +1,7 @@
 """A changed load is noticed soon; the same load is not mistaken for another."""
 
+from dataclasses import replace
+
 from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
 import numpy as np
 from plant_helpers import ur10e
@@ -13,11 +15,12 @@ from hand_load_estimator.load import LoadParameters
 SECONDS = 1.2  # within which a change of 2 kg must be noticed while the arm moves
 
 
-def run(before, after=None, at=3.0, seconds=6.0, seed=0, model=None):
+def run(before, after=None, at=3.0, seconds=6.0, seed=0, rest=0.6):
     """Return the estimates and the pipeline of a run whose load changes."""
-    model = model or exact_model('ur10e')
+    model = exact_model('ur10e')
     pipeline = warm(pipeline_of(model))
-    stream = messages(model, before, seconds, seed=seed, change=(at, after) if after else None)
+    stream = messages(model, before, seconds, seed=seed, rest=rest,
+                      change=(at, after) if after else None)
     return feed(pipeline, stream), pipeline
 
 
@@ -46,12 +49,32 @@ def test_the_same_load_is_the_same_load(seed):
     assert not any(e.status == 'LOAD_CHANGED' for e in estimates)
 
 
-def test_a_change_at_rest_waits_for_motion():
-    """Nothing that happens while the arm stands is read as a change of load."""
+def test_standing_with_the_same_load_is_no_change():
+    for load in (LoadParameters(), block(9.0)):
+        _, pipeline = run(load, seconds=3.0, rest=9.0)
+        assert pipeline.load_id == 0
+
+
+def test_a_large_change_while_standing_is_noticed_at_once_and_counted_once():
+    """More than friction can hide: ten kilograms on an arm that stands from 0 to 4 s."""
+    estimates, pipeline = run(LoadParameters(), block(10.0), at=2.0, seconds=7.0, rest=4.0)
+    noticed = [e.stamp - 102.0 for e in estimates if e.load_id > 0]
+    assert noticed and 0.0 < noticed[0] < 1.0 and pipeline.load_id == 1
+    last = estimates[-1]
+    assert abs(last.mean[0] - 10.0) < 3.5 * last.std[0] and last.std[0] < 0.1
+
+
+def test_a_small_change_while_standing_is_found_when_the_arm_moves():
+    """Friction hides it at rest; what was believed before must not be mixed in later."""
     model = exact_model('ur10e')
     pipeline = warm(pipeline_of(model))
-    feed(pipeline, messages(model, block(2.0), 2.0, rest=2.0))
-    assert pipeline.load_id == 0
+    feed(pipeline, messages(model, block(2.0), 4.0))
+    estimates = feed(pipeline, [replace(m, stamp=m.stamp + 4.5) for m in
+                                messages(model, block(3.0), 5.0, seed=1, rest=1.0)])
+    assert not any(e.load_id for e in estimates if e.stamp < 105.5)
+    assert pipeline.load_id == 1
+    last = estimates[-1]
+    assert abs(last.mean[0] - 3.0) < 3.5 * last.std[0] and last.std[0] < 0.1
 
 
 @pytest.mark.parametrize('at', [3.0, 3.05, 3.2])

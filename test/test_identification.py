@@ -91,7 +91,7 @@ def test_stated_deviations_are_small_where_it_matters(made, found):
     std = np.sqrt(np.diag(found.covariance))
     for use, where in found.slices():
         if use.name in ('coulomb_friction', 'viscous_friction'):
-            assert std[where.start] < 0.1 * 0.04 * made.robot.limits.torque[use.joint]
+            assert std[where.start] < 0.2 * 0.04 * made.robot.limits.torque[use.joint]
     rng, n = np.random.default_rng(5), made.robot.n
     q, v, a = rng.uniform(-1, 1, (3, 200, n))
     columns = torque_columns(made.robot, found.uses, EffectInput(

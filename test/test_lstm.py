@@ -10,7 +10,7 @@ import torch
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators import lstm as lstm_module, regression
 from hand_load_estimator.estimators.build import build_method, determined_std
-from hand_load_estimator.estimators.lstm import bounded, Lstm, LstmCell
+from hand_load_estimator.estimators.lstm import Lstm, LstmCell
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.artefact import read_artefact, write_artefact
@@ -25,12 +25,13 @@ HIDDEN = 12
 
 
 def network_of(robot, seed=1, size=0.3):
-    """Return a double-precision network with a head that does something."""
+    """Return a double-precision network with heads that say something of that size."""
     torch.manual_seed(seed)
     network = LoadNetwork(feature_count(robot.n), robot.n, HIDDEN).double()
     with torch.no_grad():
-        for value in network.head.parameters():
-            value.normal_(0.0, size)
+        for head in (network.joint_head, network.load_head):
+            for value in head.parameters():
+                value.normal_(0.0, size)
     return network
 
 
@@ -74,15 +75,16 @@ def loud(tmp_path_factory, robot):
 
 def test_the_numpy_cell_is_torchs_lstm(robot, loud):
     network, artefact = loud
-    inputs = np.random.default_rng(1).normal(0.0, 1.5, (200, feature_count(robot.n)))
-    cell = LstmCell(artefact.weights)
-    ours = [np.concatenate(bounded(cell.step(row), robot.n)) for row in inputs]
+    rng = np.random.default_rng(1)
+    inputs = rng.normal(0.0, 1.5, (200, robot.n, feature_count(robot.n)))
+    cell = LstmCell(artefact.weights, robot.n)
+    ours = [np.concatenate(cell.step(row)) for row in inputs]
     with torch.no_grad():
         theirs = torch.cat(network(torch.tensor(inputs)[None]), dim=-1)[0].numpy()
-    assert np.abs(theirs).max() > 0.1
+    assert np.ptp(theirs, axis=0).min() > 0.05
     np.testing.assert_allclose(ours, theirs, atol=1e-5)
     cell.restart()
-    np.testing.assert_allclose(np.concatenate(bounded(cell.step(inputs[0]), robot.n)), ours[0])
+    np.testing.assert_allclose(np.concatenate(cell.step(inputs[0])), ours[0], atol=1e-12)
 
 
 class Spy:
@@ -119,14 +121,14 @@ class Spy:
         columns = torch.tensor(np.array([joined_columns(p) for p in predictions]))[None]
         dt = torch.tensor([s.dt for s in samples])
         weights = dt[None, :, None] / density
-        innovation, relative = bayes_pass(model.robot, columns, difference, weights)
+        *load, relative = bayes_pass(model.robot, columns, difference, weights)
         inputs = features(
-            model.robot.limits, model.residuals.rmse, model.residuals.intensity,
+            model.robot.limits, (model.residuals.rmse, model.residuals.intensity),
             tuple(np.array([getattr(s, name) for s in samples]) for name in 'qva'),
-            difference[0].numpy(), innovation[0].numpy(),
             np.array([s.temperature for s in samples]) - model.robot.reference_temperature,
-            stack(predictions, 'z')[0].numpy(), stack(predictions, 'doubt')[0].numpy(),
-            density[0].numpy(), relative[0].numpy(), dt.numpy())
+            tuple(np.array([getattr(p, name) for p in predictions])
+                  for name in ('z', 'doubt', 'density')),
+            difference[0].numpy(), [x[0].numpy() for x in load], relative[0].numpy(), dt.numpy())
         return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
                 'difference': difference, 'weights': weights,
                 'level': torch.tensor(model.friction_level())[None]}
@@ -147,10 +149,12 @@ def test_features_are_the_same_in_training_and_running(spied):
     model, spy, _ = spied
     batch = spy.shard(model)['inputs'][0].numpy()
     running = np.array(spy.inputs[:len(batch)])
-    assert running.shape[1] == feature_count(model.robot.n)
+    assert running.shape[1:] == (model.robot.n, feature_count(model.robot.n))
     # The first solutions of a chunk are 3 Gauss-Newton steps here and 5 there.
     np.testing.assert_allclose(running, batch, atol=1e-3)
-    assert (np.ptp(batch, axis=0) > 0.0).sum() > 0.9 * batch.shape[1] - 10
+    # Joint numbers, the temperature and that it is known, and dt stand still; the rest moves.
+    still = (np.ptp(batch, axis=0) < 1e-9).sum()
+    assert still <= model.robot.n * (model.robot.n + 3)
 
 
 def test_answers_are_the_same_in_training_and_running(spied):
@@ -227,10 +231,11 @@ def test_reset_and_tare_reach_the_network(silent, loud):
 
 
 def test_extreme_inputs_stay_finite(robot, loud):
-    cell = LstmCell(loud[1].weights)
+    cell = LstmCell(loud[1].weights, robot.n)
     with np.errstate(over='ignore'):
         for size in (1e3, -1e3, 1e6):
-            assert np.isfinite(cell.step(np.full(feature_count(robot.n), size))).all()
+            said = cell.step(np.full((robot.n, feature_count(robot.n)), size))
+            assert np.isfinite(np.concatenate(said)).all()
 
 
 # The artefact as files.
@@ -274,13 +279,13 @@ def wreck(folder, how):
     else:
         tensors = _read(weights)
         if how == 'a tensor missing':
-            del tensors['head.bias']
+            del tensors['load_head.bias']
         elif how == 'a tensor of another shape':
-            tensors['head.bias'] = tensors['head.bias'][:-1]
+            tensors['load_head.bias'] = tensors['load_head.bias'][:-1]
         elif how == 'a tensor of another rank':
             tensors['lstm.weight_hh_l0'] = tensors['lstm.weight_hh_l0'].ravel()
         elif how == 'a NaN':
-            tensors['head.bias'][0] = np.nan
+            tensors['load_head.bias'][0] = np.nan
         elif how == 'a calibration of nothing':
             tensors['calibration'][0] = 0.0
         _write(weights, tensors)

@@ -223,6 +223,19 @@ def test_tare_makes_what_is_held_zero(model):
     assert pipeline.load_id == 0
 
 
+def test_tare_while_standing_is_no_change_of_load(model):
+    """Tare is asked for at rest: the torque the estimator looks at jumps, the arm's does not."""
+    model = exact_model('ur10e')
+    held, pipeline = block(11.0), warm(pipeline_of(model))
+    feed(pipeline, messages(model, held, 4.0))
+    still = [replace(m, stamp=m.stamp + 5.0) for m in messages(model, held, 4.0, rest=9.0)]
+    feed(pipeline, still[:200])
+    pipeline.tare()
+    estimates = feed(pipeline, still[200:])
+    assert pipeline.load_id == 0
+    assert abs(estimates[-1].mean[0]) < 3.5 * estimates[-1].std[0] + 0.01
+
+
 def test_after_tare_only_what_is_added_counts(model):
     tool, part = block(1.5), block(2.0, (0.0, 0.05, 0.15))
     pipeline = tared(model, tool)

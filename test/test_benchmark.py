@@ -1,0 +1,289 @@
+"""The benchmark's own figures: exact on results made by hand, a bound that is one, resuming."""
+
+import json
+
+from core_helpers import block, exact_model, four_axes, messages
+import numpy as np
+import pytest
+import yaml
+
+from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import cases, measure, run
+from hand_load_estimator.benchmark.bound import Bound
+from hand_load_estimator.benchmark.measure import (measure_plant, plant_models, run_case, TIMES)
+from hand_load_estimator.benchmark.page import markdown, picture
+from hand_load_estimator.benchmark.rivals import FixedLoad, LeastSquares
+from hand_load_estimator.benchmark.scores import complete, overview, score
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.load import (LoadParameters, message_from_products, MESSAGE_ORDER,
+                                      products_from_shape, products_jacobian_of_shape)
+from hand_load_estimator.motion import MotionSample
+from hand_load_estimator.torque_model import Prediction
+
+METHODS = ('lstm', 'bayes')
+
+
+def result(plant, seed, mass=5.0, off=0.0, std=1.0, bound=0.5, times=len(TIMES), changes=0):
+    """Return a case in which every figure is off by `off` standard figures."""
+    load = block(mass).to_message()
+    row = [(load + off).tolist(), [std] * 10]
+    return {'plant': plant, 'seed': seed, 'load': load.tolist(), 'temperature': 20.0,
+            'speed': 1.0, 'bound': [[bound] * 10] * times, 'changes': changes,
+            'methods': {name: [row] * times for name in METHODS},
+            'seconds_per_sample': dict.fromkeys(METHODS, 1e-3 * seed)}
+
+
+def test_rmse_median_and_percentile_are_exact():
+    offs = [0.0, 0.3, -0.4, 1.2]
+    out = score([result(k, k, off=off) for k, off in enumerate(offs)], 12.5)
+    assert set(out) == set(METHODS)
+    for entry, time in zip(out['bayes'], TIMES):
+        assert entry['time'] == time
+        assert entry['mass']['rmse'] == pytest.approx(np.sqrt(np.mean(np.square(offs))))
+        assert entry['mass']['median'] == pytest.approx(0.35)
+        assert entry['mass']['p95'] == pytest.approx(np.quantile([0.0, 0.3, 0.4, 1.2], 0.95))
+        assert entry['mass_percent_of_rated']['rmse'] \
+            == pytest.approx(100.0 * entry['mass']['rmse'] / 12.5)
+        # The centre of mass is a distance in space: sqrt(3) of what each axis is off.
+        assert entry['com']['p95'] == pytest.approx(np.sqrt(3) * entry['mass']['p95'])
+        assert entry['inertia']['izz']['rmse'] == pytest.approx(entry['mass']['rmse'])
+        assert entry['bound_mass_rmse'] == pytest.approx(0.5)
+        assert entry['width_over_bound']['m'] == pytest.approx(2.0)
+
+
+def test_coverage_is_counted_within_1_96_and_clustered_by_plant():
+    """Plants of 4 cases each: one covers all, one none, one half."""
+    offs = [0.0, 1.9, -1.9, 1.95, 2.0, -2.0, 3.0, 9.0, 0.0, 0.0, 2.5, 2.5]
+    out = score([result(k // 4, k, off=off) for k, off in enumerate(offs)], 12.5)
+    for entry in out['lstm']:
+        assert set(entry['coverage']) == set(MESSAGE_ORDER)
+        for figures in entry['coverage'].values():
+            assert figures['share'] == pytest.approx(0.5)
+            assert figures['error'] == pytest.approx(np.std([1, 0, 0.5], ddof=1) / np.sqrt(3))
+
+
+def test_place_is_scored_where_there_is_something_to_place():
+    light, heavy = result(0, 0, mass=0.5, off=1.0), result(1, 1, mass=5.0, off=0.1)
+    out = score([light, heavy], 12.5)
+    assert out['bayes'][0]['com']['rmse'] == pytest.approx(np.sqrt(3) * 0.1)
+
+
+def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
+    results = [result(0, 1), result(0, 2, times=3), result(1, 3, off=1.0, changes=2)]
+    assert [r['seed'] for r in complete(results)] == [1, 3]
+    counts = overview(results)
+    assert (counts['cases'], counts['scored'], counts['plants']) == (3, 2, 2)
+    assert counts['false_load_changes'] == 1
+    assert counts['microseconds_per_sample']['bayes'] == pytest.approx(2000.0)
+
+
+def test_the_page_shows_what_was_measured(tmp_path):
+    results = [result(k, k, off=0.25) for k in range(3)]
+    scores = score(results, 12.5)
+    page = markdown(scores, overview(results), 'hand_load benchmark', 'abc1234')
+    assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page
+    assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
+    picture(scores, tmp_path / 'mass.png')
+    assert (tmp_path / 'mass.png').stat().st_size > 5000
+
+
+# The bound.
+
+def bounds(mass=2.0, noise=0.3, seconds=3.0):
+    """Return the bound's stds (N, 10) along a motion of a small arm."""
+    robot = four_axes()
+    bound, out = Bound(robot, block(mass), np.full(4, noise), 500.0), []
+    for m in messages(exact_model('four'), block(mass), seconds, rate=50.0, noisy=False):
+        bound.update(MotionSample(m.stamp, 0.02, m.position, m.velocity, np.zeros(4), m.effort,
+                                  np.zeros(4), False))
+        out.append(bound.std())
+    return np.array(out)
+
+
+def test_the_bound_never_rises_and_begins_below_the_prior():
+    stds = bounds()
+    assert (np.diff(stds, axis=0) <= 1e-12).all()
+    assert (stds[0, :4] <= load_prior(four_axes()).std[:4] * (1 + 1e-9)).all()
+    assert (stds[-1, :4] < 0.2 * stds[0, :4]).all()
+
+
+def test_the_bound_is_in_proportion_to_the_noise_once_data_rule():
+    few, many = bounds(noise=0.01)[-1], bounds(noise=0.02)[-1]
+    np.testing.assert_allclose(many[:4] / few[:4], 2.0, rtol=0.02)
+
+
+def test_the_bound_is_the_spread_of_the_best_estimate():
+    """Least squares with exact model and noise cannot do better, and does as well."""
+    robot, rng, sigma = four_axes(), np.random.default_rng(1), 0.05
+    stream = messages(exact_model('four'), block(2.0), 3.0, rate=50.0, noisy=False)
+    k = np.array([robot.load_regressor(m.position, m.velocity, np.zeros(4)) for m in stream])
+    rows = k.reshape(-1, 10)
+    bound = Bound(robot, block(2.0), np.full(4, sigma), 50.0)
+    for m in stream:
+        bound.update(MotionSample(m.stamp, 0.02, m.position, m.velocity, np.zeros(4), m.effort,
+                                  np.zeros(4), False))
+    shape = block(2.0).to_message() / np.r_[1.0, 1.0, 1.0, 1.0, np.full(6, 2.0)]
+    jacobian = products_jacobian_of_shape(shape)
+    precision = np.diag(load_prior(robot).std ** -2.0)
+    a = rows @ jacobian / sigma
+    gain = np.linalg.inv(a.T @ a + precision)
+    errors = []
+    for _ in range(400):
+        prior = load_prior(robot).std * rng.normal(size=10)
+        noise = rng.normal(size=len(rows))
+        errors.append(gain @ (a.T @ noise + precision @ prior))
+    spread = np.std(errors, axis=0)
+    np.testing.assert_allclose(bound.std()[:4], spread[:4], rtol=0.15)
+
+
+# The rivals.
+
+def test_recursive_least_squares_is_the_batch_solution():
+    model, rng = nominal_model(four_axes(), np.full(4, 0.02)), np.random.default_rng(2)
+    rival, prior = LeastSquares(model, skip_standing=False), load_prior(model.robot)
+    variance, load = model.residuals.rmse ** 2, block(2.0).to_products()
+    jacobian = products_jacobian_of_shape(prior.mean)
+    information = np.linalg.inv(jacobian @ np.diag(prior.std ** 2) @ jacobian.T)
+    vector, zero = information @ products_from_shape(prior.mean), np.zeros(4)
+    for k in range(40):
+        columns = model.robot.load_regressor(*rng.uniform(-1.5, 1.5, (3, 4)))
+        torque = columns @ load + np.sqrt(variance) * rng.normal(size=4)
+        belief = rival.update(
+            MotionSample(0.02 * k, 0.02, zero, zero, zero, zero, zero, False),
+            Prediction(torque, columns, np.zeros((4, 0)), zero, zero, zero, zero + 1.0))
+        information += (columns / variance[:, None]).T @ columns
+        vector += (columns / variance[:, None]).T @ torque
+    batch = message_from_products(np.linalg.solve(information, vector))
+    np.testing.assert_allclose(belief.mean[:4], batch[:4], atol=1e-6)
+    assert np.sqrt(belief.covariance[0, 0]) == pytest.approx(
+        np.sqrt(np.linalg.inv(information)[0, 0]), rel=1e-4)
+
+
+def test_the_careful_rival_leaves_out_what_stands():
+    model, zero = nominal_model(four_axes(), np.full(4, 0.02)), np.zeros(4)
+    columns = model.robot.load_regressor(np.full(4, 0.4), zero, zero)
+    prediction = Prediction(columns @ block(2.0).to_products(), columns, np.zeros((4, 0)), zero,
+                            zero, zero, zero + 1.0)
+    still = MotionSample(0.0, 0.02, zero, zero, zero, zero, zero, False)
+    careful, naive = (LeastSquares(model, skip) for skip in (True, False))
+    before = careful.belief().mean
+    np.testing.assert_array_equal(careful.update(still, prediction).mean, before)
+    assert abs(naive.update(still, prediction).mean[0] - before[0]) > 0.01
+
+
+def test_the_fixed_load_never_learns():
+    robot = four_axes()
+    belief = FixedLoad(robot).update(None, None)
+    np.testing.assert_array_equal(belief.mean, robot.rated_load.to_message())
+
+
+# Cases and runs.
+
+def test_a_case_belongs_to_its_seed_and_is_a_body():
+    robot = four_axes()
+    drawn = [cases.draw_case(robot, 1000, seed) for seed in range(50)]
+    again = cases.draw_case(robot, 1000, 7)
+    np.testing.assert_array_equal(again.load.to_message(), drawn[7].load.to_message())
+    assert all(case.load.is_physical() for case in drawn)
+    masses = [case.load.mass for case in drawn]
+    heaviest = 10.0 / 12.5 * robot.rated_load.mass
+    assert 0.8 * heaviest < max(masses) <= heaviest and min(masses) < 0.2 * heaviest
+    assert {0.3 <= case.speed <= 1.0 and 15.0 <= case.temperature <= 50.0 for case in drawn} \
+        == {True}
+
+
+def test_motion_start_is_the_first_move_of_a_joint_that_gravity_loads():
+    """Joint 1 turns about the vertical and tells nothing of the load's weight."""
+    robot, zero = four_axes(), np.zeros(4)
+
+    def sample(t, v):
+        return MotionSample(t, 0.02, np.array([0.0, 0.8, 0.3, 0.2]), np.array(v), zero, zero,
+                            zero, False)
+
+    # A chain whose first axis is upright only roughly: take what gravity really loads.
+    torque = np.abs(robot.load_regressor(sample(0, zero).q, zero, zero)
+                    @ robot.rated_load.to_products())
+    loaded = int(np.argmax(torque))
+    free = [j for j in range(4) if torque[j] < 0.1 * torque.max()]
+    slow, fast = np.eye(4)[loaded] * 0.04, np.eye(4)[loaded] * 0.06
+    samples = [sample(0.0, zero), sample(0.1, slow), sample(0.3, fast)]
+    for j in free:
+        samples.insert(1, sample(0.05, np.eye(4)[j]))
+    assert cases.motion_start(robot, samples) == 0.3
+    assert cases.motion_start(robot, samples[:-1]) is None
+
+
+def test_what_is_there_is_kept(tmp_path):
+    path = tmp_path / 'plant_1234.json'
+    path.write_text('[]')
+    assert measure_plant('no robot is read', 1234, [1, 2], None, tmp_path) == path
+    assert path.read_text() == '[]'
+
+
+def test_an_unknown_suite_is_refused(tmp_path):
+    with pytest.raises(ConfigurationError, match='--suite.*magic.*base'):
+        run.run_suite('magic', 'ur10e', None, tmp_path, '')
+
+
+def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
+    """Plants measured before are read, not measured again."""
+    plants = seeds.BENCHMARK_PLANTS[:2]
+    monkeypatch.setitem(run.SUITES, 'base', (plants, seeds.BENCHMARK_CASES, 1))
+    (tmp_path / 'raw').mkdir()
+    for k, plant in enumerate(plants):
+        (tmp_path / 'raw' / f'plant_{plant}.json').write_text(
+            json.dumps([result(plant, k, off=0.1)]))
+    told = []
+    page = run.run_suite('base', 'ur10e', None, tmp_path, 'the command', told.append)
+    assert 'the command' in page and len(told) == 2
+    assert (tmp_path / 'README.md').read_text() == page
+    content = json.loads((tmp_path / 'scores.json').read_text())
+    assert content['schema'] == 'hand_load/benchmark/1'
+    assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
+    assert (tmp_path / 'mass.png').is_file()
+
+
+def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
+    """One plant of a small arm with brief recordings: right, resumable, in the stated form."""
+    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 12.0),
+                                                  ('pick_place', 30.0, 8.0)))
+    monkeypatch.setattr(cases, 'DURATION', 5.0)
+    monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0, 2.0))
+    robot_path = tmp_path / 'arm.yaml'
+    robot_path.write_text(yaml.safe_dump(four_axes().file.content))
+    plant, seed = seeds.DEVELOPMENT_PLANTS[90], seeds.DEVELOPMENT_CASES[995]
+    path = measure_plant(robot_path, plant, [seed], None, tmp_path)
+    (found,) = json.loads(path.read_text())
+    assert not list(tmp_path.glob('*.part'))
+    assert found['plant'] == plant and found['seed'] == seed and len(found['bound']) == 3
+    truth = np.array(found['load'])
+    for name, rows in found['methods'].items():
+        assert np.array(rows).shape == (3, 2, 10), name
+    mean, std = np.array(found['methods']['bayes'][-1])
+    assert abs(mean[0] - truth[0]) < 4.0 * std[0] and std[0] < 0.3
+    error = {name: abs(rows[-1][0][0] - truth[0]) for name, rows in found['methods'].items()}
+    assert error['bayes'] < 0.3 * error['fixed rated load']
+    assert (std[0] > np.array(found['bound'])[-1, 0])
+    assert all(value > 0.0 for value in found['seconds_per_sample'].values())
+
+
+def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal(monkeypatch):
+    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 10.0),))
+    models = plant_models(four_axes(), seeds.DEVELOPMENT_PLANTS[91])
+    names = {key: {use.name for use in model.uses} for key, model in models.items()}
+    assert names['nominal'] == set()
+    assert names['textbook'] == {'rotor_inertia', 'coulomb_friction', 'viscous_friction',
+                                 'torque_offset'}
+    assert names['textbook'] < names['ours']
+    np.testing.assert_array_equal(models['nominal'].mean, four_axes().nominal_links)
+
+
+def test_run_case_of_an_arm_that_hardly_moves_is_incomplete(monkeypatch):
+    monkeypatch.setattr(cases, 'DURATION', 0.5)
+    robot = four_axes()
+    model = exact_model('four')
+    case = cases.Case(seeds.DEVELOPMENT_PLANTS[92], 1, LoadParameters(), 20.0, 0.3)
+    found = run_case(robot, case, {'ours': model, 'textbook': model, 'nominal': model}, None)
+    assert not complete([found])
