@@ -160,13 +160,14 @@ def density(residual, weights, owner, dt):
 def _search_shapes(robot, uses, evidence, x, intensity, friction):
     """Return uses with each joint's shapes set to the values that fit its residual best."""
     uses = list(uses)
+    # The same weights for every trial: a longer presliding travel would excuse more samples.
+    weights = _System(robot, tuple(uses), evidence).weights(intensity, friction)
     for name, shape in _shapes_of(uses):
         best = {}
         for value in shape.grid:
             trial = tuple(replace(u, shape={**u.shape, shape.name: value})
                           if u.name == name else u for u in uses)
             system = _System(robot, trial, evidence)
-            weights = system.weights(intensity, friction)
             for j, cost in enumerate(_joint_costs(robot, trial, system, x, weights)):
                 if j not in best or cost < best[j][0]:
                     best[j] = (cost, value)
