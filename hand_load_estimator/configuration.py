@@ -1,6 +1,7 @@
 """Read YAML files a person wrote, and refuse wrong ones with a sentence."""
 
 from pathlib import Path
+import re
 
 import numpy as np
 import yaml
@@ -25,6 +26,13 @@ def read_yaml(path):
         raise ConfigurationError(path, 'is not a mapping of names to values',
                                  type(content).__name__)
     return content
+
+
+def _number_of_text(value):
+    """Return a number written as 1e-3, which YAML 1.1 takes for text without a dot."""
+    if isinstance(value, str) and re.fullmatch(r'[-+]?\d+[eE][-+]?\d+', value):
+        return float(value)
+    return value
 
 
 class Section:
@@ -63,7 +71,7 @@ class Section:
     def number(self, key, low=-np.inf, high=np.inf):
         """Return a finite number within [low, high]."""
         allowed = f'a number in [{low:g}, {high:g}]'
-        value = self.get(key, allowed)
+        value = _number_of_text(self.get(key, allowed))
         if isinstance(value, bool) or not isinstance(value, (int, float)) \
                 or not low <= value <= high or not np.isfinite(value):
             self.fail(key, 'is not usable', value, allowed)

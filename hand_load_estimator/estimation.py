@@ -33,7 +33,8 @@ def _plain(values):
 
 def estimate_recording(pipeline, recording):
     """Return the estimate of a Recording as plain JSON content; causal."""
-    first, last, history, believed = None, -np.inf, _History(), None
+    # time goes on from where it was when the clock of a looped recording restarts
+    time, stamp, last, history, believed = 0.0, None, -np.inf, _History(), None
     for item in recording.samples:
         if isinstance(item, TemperatureSample):
             pipeline.temperature_reading(item.joint, item.value)
@@ -43,13 +44,14 @@ def estimate_recording(pipeline, recording):
                                         item.effort)
         if pipeline.samples == used:
             continue
-        first = item.stamp if first is None else first
+        time += 0.0 if stamp is None else max(item.stamp - stamp, 0.0)
+        stamp = item.stamp
         believed = estimate or believed
-        # Rounded clocks make 20 ms a hair more than 20 ms.
-        if item.stamp - last >= SPACING - 1e-3:
-            last = item.stamp
-            history.add(item.stamp - first, believed or pipeline.method.belief())
-    final = pipeline.estimate(last)
+        # Half the spacing, so that the message after the next is not needed to keep it.
+        if time - last >= 0.5 * SPACING - 1e-4:
+            last = time
+            history.add(time, believed or pipeline.method.belief())
+    final = pipeline.estimate(0.0 if stamp is None else stamp)
     std = final.std
     return {
         'schema': SCHEMA, 'method': pipeline.method.name, 'status': final.status,

@@ -56,17 +56,17 @@ class InputGuard:
         return (q, v, tau) if self._forward(stamp) else None
 
     def _find(self, names):
-        index, missing = [], 0
-        for joint in self._joints:
-            matches = [i for i, name in enumerate(names) if name == joint] or \
-                [i for i, name in enumerate(names) if name.endswith(joint)]
-            if len(matches) > 1:
-                return 'ambiguous_joint'
-            missing += not matches
-            index.extend(matches)
-        if missing == len(self._joints):
+        """Return indices (n,), a reason to reject, or None when no joint is of this robot."""
+        index = {name: i for i, name in enumerate(names)}
+        prefixes = [''] if any(joint in index for joint in self._joints) else sorted(
+            {name[:-len(joint)] for name in names for joint in self._joints
+             if name.endswith(joint)})
+        if not prefixes:
             return None
-        return 'missing_joint' if missing else np.array(index)
+        complete = [p for p in prefixes if all(p + joint in index for joint in self._joints)]
+        if len(complete) != 1 or any(list(names).count(complete[0] + j) > 1 for j in self._joints):
+            return 'ambiguous_joint' if complete else 'missing_joint'
+        return np.array([index[complete[0] + joint] for joint in self._joints])
 
     def _forward(self, stamp):
         self.restarted = False

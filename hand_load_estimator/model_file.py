@@ -81,7 +81,7 @@ def model_content(model):
             'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
             'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]},
         'recordings': list(model.recordings),
-        'temperatures': list(model.temperatures) if model.temperatures else None,
+        'temperatures': [float(t) for t in model.temperatures] if model.temperatures else None,
         'links': links,
         'correlations': rows if np.any(model.covariance) else []}
 
@@ -108,11 +108,11 @@ def read_model(path):
     section.text('schema', (SCHEMA,))
     robot = robot_from_content(section.get('robot', 'the robot file\'s content'),
                                f'{path}: robot')
-    uses, values = _read_effects(section, robot)
+    uses, values = _read_effects(section, robot, path)
     mean, std = _read_links(section, robot)
     mean, std = np.concatenate([mean, values[0]]), np.concatenate([std, values[1]])
     residual = section.section('residual')
-    residuals = Residuals(residual.vector('torque_noise', robot.n, 0.0),
+    residuals = Residuals(residual.vector('torque_noise', robot.n, 1e-9),
                           residual.vector('low_frequency_density', robot.n, 1e-12),
                           _read_drift(residual, robot.n))
     residual.refuse_unknown()
@@ -120,9 +120,16 @@ def read_model(path):
                     if section.has('temperatures') else None)
     model = TorqueModel(robot, uses, section.flag('links_identified'), mean,
                         _covariance(section, std), residuals,
-                        tuple(section.get('recordings', 'a list of names')), temperatures)
+                        _read_recordings(section), temperatures)
     section.refuse_unknown()
     return model
+
+
+def _read_recordings(section):
+    names = section.get('recordings', 'a list of names')
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        section.fail('recordings', 'is not usable', names, 'a list of names')
+    return tuple(names)
 
 
 def _read_drift(section, n):
@@ -148,16 +155,20 @@ def _read_links(section, robot):
             value = entry.section(name)
             mean.append(value.number('mean'))
             std.append(value.number('std', 0.0))
+            value.has('unit')
+            value.refuse_unknown()
+        entry.refuse_unknown()
+    links.refuse_unknown()
     return np.array(mean), np.array(std)
 
 
-def _read_effects(section, robot):
+def _read_effects(section, robot, path):
     entries = section.get('effects', 'a list of effects')
     if not isinstance(entries, list):
         section.fail('effects', 'is not usable', entries, 'a list of effects')
     uses, mean, std = [], [], []
     for k, content in enumerate(entries):
-        entry = Section(content, f'effects[{k}]')
+        entry = Section(content, f'{path}: effects[{k}]')
         name = entry.text('name', tuple(EFFECTS))
         shape = _read_shape(entry, EFFECTS[name])
         for joint in entry.names('joints'):
@@ -170,6 +181,10 @@ def _read_effects(section, robot):
                 value = values.section(parameter)
                 mean.append(value.number('mean'))
                 std.append(value.number('std', 0.0))
+                value.has('unit')
+                value.refuse_unknown()
+            values.refuse_unknown()
+        entry.refuse_unknown()
     return tuple(uses), (np.array(mean), np.array(std))
 
 
@@ -184,11 +199,15 @@ def _covariance(section, std):
     rows = section.get('correlations', 'a lower triangle')
     correlation = np.eye(len(std))
     if rows:
-        if not isinstance(rows, list) or [len(r) for r in rows] != list(range(len(std))):
-            section.fail('correlations', 'have the wrong size', len(rows),
+        if not isinstance(rows, list) or not all(isinstance(r, list) for r in rows) \
+                or [len(r) for r in rows] != list(range(len(std))):
+            section.fail('correlations', 'have the wrong size', None,
                          f'{len(std)} rows of 0, 1, ... numbers; put [] for none after '
                          'editing the list of effects')
         for i, row in enumerate(rows):
+            if not all(isinstance(v, (int, float)) and abs(v) <= 1.0 + 1e-6 for v in row):
+                section.fail('correlations', f'are not usable in row {i}', None,
+                             'numbers in [-1, 1]')
             correlation[i, :i] = correlation[:i, i] = row
     return correlation * np.outer(std, std)
 

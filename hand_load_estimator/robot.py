@@ -1,6 +1,6 @@
 """Rigid-body mechanics of an arm described by a robot file (pinocchio)."""
 
-import re
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -10,10 +10,23 @@ from .load import products_transform
 from .robot_file import JointLimits, parse_robot, read_robot_file
 
 
+def _with_angles(urdf):
+    """Return the URDF with continuous joints as revolute ones: here an angle is an angle."""
+    try:
+        root = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError:
+        return urdf  # pinocchio says what is wrong with it
+    for joint in root.iter('joint'):
+        if joint.get('type') == 'continuous':
+            joint.set('type', 'revolute')
+            if joint.find('limit') is None:
+                ElementTree.SubElement(joint, 'limit', effort='0', velocity='0')
+    return ElementTree.tostring(root, encoding='unicode')
+
+
 def _build_model(file):
     """Return the pinocchio model with only the robot file's joints, in their order."""
-    # pinocchio gives continuous joints (cos, sin) coordinates; here an angle is an angle.
-    urdf = re.sub(r'type\s*=\s*"continuous"', 'type="revolute"', file.urdf)
+    urdf = _with_angles(file.urdf)
     where = f'{file.where}: urdf'
     try:
         full = pin.buildModelFromXML(urdf)

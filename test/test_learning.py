@@ -171,7 +171,8 @@ def test_friction_turns_over_its_distance_and_rests_where_it_was_left():
         * np.ones(n)
     v = np.gradient(q, 0.01, axis=0)
     z = friction_state(np.random.default_rng(5), q, v, truth)
-    assert (np.abs(z) <= 1.0 + 1e-12).all()
+    # Static friction may exceed sliding friction by a fifth.
+    assert (np.abs(z) <= 1.2 + 1e-12).all()
     np.testing.assert_allclose(z[299], 1.0, atol=1e-3)
     np.testing.assert_allclose(z[-1], -1.0, atol=1e-3)
     torque = friction_torque(z, v, truth)

@@ -52,12 +52,12 @@ def test_residual_message_names_its_joints():
 
 
 def test_status_tells_what_the_contract_promises():
-    status = estimate_status('estimator: load', some_estimate(), 0.25, 'lstm')
+    status = estimate_status('estimator: load', some_estimate(), 0.25, 'lstm', 0.0)
     values = {pair.key: pair.value for pair in status.values}
     assert status.message == 'ESTIMATING' and status.level == OK
     assert values == {'determined': '1 1 1 1 0 0 0 0 0 0', 'age': '0.25', 'reason': 'because',
-                      'load_id': '7', 'method': 'lstm'}
-    assert estimate_status('', some_estimate('STALE_INPUT'), 1.0, 'lstm').level == STALE
+                      'load_id': '7', 'method': 'lstm', 'tared mass [kg]': '0'}
+    assert estimate_status('', some_estimate('STALE_INPUT'), 1.0, 'lstm', 0.0).level == STALE
 
 
 def test_equivalent_ellipsoid_has_the_inertia():

@@ -33,7 +33,7 @@ def run(args):
     from ..robot import load_robot
     from ..shared_files import find_shared
     robot = load_robot(find_shared(args.robot, 'robots'))
-    given = load_of_argument(args.load)[0] if args.load else None
+    given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = []
     for path in args.recordings:
         recording = read_recording(path, **topics(args))
@@ -55,10 +55,16 @@ def known_load(recording):
     if recording.load is None:
         raise RecordingError(f'{recording.path}: does not say its load; add a load.yaml (none, or '
                              'mass, com, inertia) or give --load')
-    if recording.load.mass > 0.0 and 'com' not in recording.load_known:
-        raise RecordingError(f'{recording.path}: load.yaml gives a mass without its com; identify '
+    return placed(recording.load, recording.load_known, f'{recording.path}: load.yaml')
+
+
+def placed(load, known, where):
+    """Return a load whose centre of mass is known; refuse one that has only a mass."""
+    from ..errors import RecordingError
+    if load.mass > 0.0 and 'com' not in known:
+        raise RecordingError(f'{where}: gives a mass without its com; identify '
                              'needs the centre of mass too, or recordings without load')
-    return recording.load
+    return load
 
 
 def _say(text):

@@ -31,6 +31,11 @@ class Bayes:
         return self._regression.last_change
 
     @property
+    def tared(self):
+        """Products (10,) declared zero by tare."""
+        return self._regression.tared
+
+    @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
         return self._watch.reason

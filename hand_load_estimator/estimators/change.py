@@ -78,13 +78,6 @@ class RecentData:
         return (self._sum(self.older, pieces[:-count]),
                 self._sum(Information(*self._size), pieces[-count:]))
 
-    def keep_last(self, count):
-        """Drop all but the last `count` pieces."""
-        self.older = Information(*self._size)
-        while len(self.pieces) > count:
-            self.pieces.popleft()
-        self._closed = self._sum(self.older, self.pieces)
-
     def _sum(self, first, others):
         total = Information(*self._size)
         total.add(first)

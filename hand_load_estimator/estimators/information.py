@@ -41,22 +41,21 @@ class Information:
     """
     Sums of data information for d = 10 + r unknowns.
 
-    matrix (d, d) and vector (d,); by_joint (n, 10, 10): each joint's share for the load, from
+    matrix (d, d) and vector (d,); by_joint (n, d, 10): each joint's columns for the load, from
     which the doubt about its torque constant is carried into the covariance.
     """
 
     def __init__(self, n, nuisances):
         d = 10 + nuisances
         self.matrix, self.vector = np.zeros((d, d)), np.zeros(d)
-        self.by_joint = np.zeros((n, 10, 10))
+        self.by_joint = np.zeros((n, d, 10))
 
     def add_rows(self, columns, difference, weights):
         """Add n rows: columns (n, d), difference (n,) [Nm], weights (n,) = precision."""
         weighted = columns * weights[:, None]
         self.matrix += weighted.T @ columns
         self.vector += weighted.T @ difference
-        load, weighted_load = columns[:, :10], weighted[:, :10]
-        self.by_joint += weighted_load[:, :, None] * load[:, None, :]
+        self.by_joint += weighted[:, :, None] * columns[:, None, :10]
 
     def add(self, other):
         """Add another Information of the same unknowns."""
@@ -80,6 +79,14 @@ class Information:
                           check_finite=False)
         share = matrix[:10, :10] - matrix[:10, 10:] @ cross[:, :10]
         return 0.5 * (share + share.T), vector[:10] - matrix[:10, 10:] @ cross[:, 10]
+
+    def vectors_by_joint(self, products):
+        """Return (n, 10): what each joint's load torque adds to the vector of load_share."""
+        vectors = self.by_joint @ products
+        if len(self.vector) == 10:
+            return vectors
+        inner = self.matrix[10:, 10:] + np.eye(len(self.vector) - 10)
+        return vectors[:, :10] - np.linalg.solve(inner, vectors[:, 10:].T).T @ self.matrix[10:, :10]
 
     def nuisance_given(self, products):
         """Return the nuisances' mean (r,) for a known load."""
@@ -126,7 +133,7 @@ def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
     products = products_from_shape(shape)
     if gain_doubt > 0.0:
         # d u / d eps_i of a load torque misread by (1 + eps_i) on joint i alone.
-        moved = covariance @ jacobian.T @ (information.by_joint @ products).T
+        moved = covariance @ jacobian.T @ information.vectors_by_joint(products).T
         covariance = covariance + gain_doubt ** 2 * moved @ moved.T
     return Posterior(shape, covariance, message_from_shape(shape),
                      message_covariance(shape, covariance), products,

@@ -84,6 +84,11 @@ class Lstm:
         return self._plain.last_change
 
     @property
+    def tared(self):
+        """Products (10,) declared zero by tare."""
+        return self._plain.tared
+
+    @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
         return self._watch.reason
@@ -101,7 +106,7 @@ class Lstm:
         self._learned.add(sample, columns, prediction.difference - correction * self._level,
                           weights * np.exp(gain))
         if self._plain.changes > changes:
-            self._learned.keep_recent(self._plain.kept)
+            self._learned.forget()
             self._watch.clear()
         self._count += 1
         if self._count % REFRESH == 0:

@@ -22,6 +22,7 @@ class Method(Protocol):
     changes: int
     last_change: float | None
     mismatch: str
+    tared: np.ndarray
 
     def update(self, sample, prediction) -> Belief:
         """Take one MotionSample with its Prediction; return the belief after it."""

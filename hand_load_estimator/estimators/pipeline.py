@@ -48,6 +48,11 @@ class Pipeline:
         return self.method.changes
 
     @property
+    def tared_mass(self):
+        """Mass [kg] that tare declared zero."""
+        return float(self.method.tared[0])
+
+    @property
     def temperature(self):
         """Last known joint temperatures (n,) [degC]."""
         return self._stream.temperature
@@ -74,11 +79,13 @@ class Pipeline:
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
         last = self._stream.last_stamp
-        if self._estimate is None or last is None:
+        if last is None:
             return self._say(now, self.method.belief(), 'NO_DATA', 'no joint states yet')
+        if self._estimate is None:
+            return self._labelled(last, self.method.belief())
         if now - last > self._stale_after:
             belief = self.method.belief()
-            return self._say(self._estimate.stamp, belief, 'STALE_INPUT',
+            return self._say(last, belief, 'STALE_INPUT',
                              f'no usable joint state for {now - last:.2f} s')
         return self._estimate
 
@@ -100,7 +107,7 @@ class Pipeline:
                              'no joint has moved: at rest friction hides the load')
         if self.method.mismatch:
             return self._say(stamp, belief, 'MODEL_MISMATCH', self.method.mismatch)
-        if change is not None and stamp - change < CHANGE_SHOWN:
+        if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
             return self._say(stamp, belief, 'LOAD_CHANGED', 'recent torques belong to another load')
         if determined[:4].all():
             return self._say(stamp, belief, 'DETERMINED', 'mass and centre of mass are determined')

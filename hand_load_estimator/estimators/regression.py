@@ -22,14 +22,14 @@ class LoadRegression:
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; rest_watch: RestWatch, or None for a follower that
     is told of load changes. changes counts load changes; last_change is the
-    stamp of the newest, or None; kept: pieces of data kept at that change.
+    stamp of the newest, or None.
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, rest_watch=None):
         self._prior, self._gain_doubt, self._rest_watch = prior, gain_doubt, rest_watch
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change, self.kept = 0, None, 0
+        self.changes, self.last_change = 0, None
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
@@ -40,8 +40,7 @@ class LoadRegression:
         if self._rest_watch is None:
             return
         if self._rest_watch.update(sample, difference):
-            self.keep_recent(0)
-            self._note_change(sample.stamp, 0)
+            self._begin_anew(sample.stamp)
         elif ended:
             self._look_for_change(sample.stamp)
 
@@ -62,17 +61,16 @@ class LoadRegression:
 
     def forget(self):
         """Forget the load."""
+        if self._rest_watch is not None:
+            self._rest_watch.restart()
         self._recent.clear()
         self._start = self._prior.mean
         self.posterior = self._solve()
 
-    def keep_recent(self, pieces):
-        """Drop all but the newest pieces of data: what came before was another load."""
-        if pieces:
-            self._recent.keep_last(pieces)
-        else:
-            self._recent.clear()
-        self._start = self._prior.mean
+    @property
+    def tared(self):
+        """Products (10,) declared zero by tare."""
+        return self._zero.copy()
 
     def tare(self):
         """Declare the load held now zero; its uncertainty stays in every later estimate."""
@@ -98,13 +96,14 @@ class LoadRegression:
             older, recent = split
             mean, covariance = self._older_belief(older)
             if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
-                self.keep_recent(count)
-                self._note_change(stamp, count)
+                # Nobody knows since when: a change is seen while the window still holds old data.
+                self._begin_anew(stamp)
                 return
 
-    def _note_change(self, stamp, kept):
+    def _begin_anew(self, stamp):
+        self.forget()
         self.changes += 1
-        self.last_change, self.kept = stamp, kept
+        self.last_change = stamp
 
     def _older_belief(self, older):
         """Return the belief (d,), (d, d) about load and nuisances from older data."""

@@ -64,14 +64,14 @@ def _check(folder, card, tensors, robot):
     if not isinstance(card, dict) or card.get('schema') != SCHEMA:
         raise ConfigurationError(folder / CARD, 'has another schema',
                                  card.get('schema') if isinstance(card, dict) else card, SCHEMA)
-    if tuple(card.get('joints', ())) != robot.joints:
+    if card.get('joints') != list(robot.joints):
         raise ConfigurationError(folder / CARD, 'belongs to other joints', card.get('joints'),
                                  ', '.join(robot.joints), 'train one for this robot')
     if card.get('effort_kind') != robot.effort.kind:
         raise ConfigurationError(folder / CARD, 'belongs to another kind of effort',
                                  card.get('effort_kind'), robot.effort.kind,
                                  'train one for this robot')
-    hidden = tensors['lstm.weight_hh_l0'].shape[1] if 'lstm.weight_hh_l0' in tensors else 0
+    hidden = tensors['lstm.weight_hh_l0'].shape[-1] if 'lstm.weight_hh_l0' in tensors else 0
     n = robot.n
     expected = dict(zip(_SHAPES, (
         (4 * hidden, feature_count(n)), (4 * hidden, hidden), (4 * hidden,), (4 * hidden,),
@@ -82,3 +82,7 @@ def _check(folder, card, tensors, robot):
             raise ConfigurationError(folder / WEIGHTS, f'has no usable tensor {name}',
                                      tensors[name].shape if name in tensors else 'missing',
                                      f'finite, of shape {shape}', 'train it again')
+    if (tensors['calibration'] <= 0.0).any():
+        raise ConfigurationError(folder / WEIGHTS, 'has a calibration that is not positive',
+                                 tensors['calibration'].tolist(), 'factors above 0',
+                                 'train it again')

@@ -1,6 +1,8 @@
 """Batches of training sequences on disk, made once, in parallel, and picked up after a kill."""
 
 import os
+import threading
+import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -84,10 +86,20 @@ def _write_shard(model_path, seeds, path):
     torch.set_num_threads(1)
     model = read_model(model_path)
     shard = make_shard(SequenceMaker(model), model.robot, seeds)
-    part = path.with_suffix('.part')
+    # Its own name: a worker of a killed training may still be at it.
+    part = path.with_suffix(f'.{os.getpid()}.part')
     save_file({k: v.contiguous() for k, v in shard.items()}, part)
     os.replace(part, path)
     return path
+
+
+def _end_with(parent):
+    """End this worker soon after its parent, also when that was killed outright."""
+    def watch():
+        while os.getppid() == parent:
+            time.sleep(0.5)
+        os._exit(1)
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def write_shards(model_path, folder, seeds, progress):
@@ -102,7 +114,8 @@ def write_shards(model_path, folder, seeds, progress):
     paths = [folder / f'{part[0]}_{len(part)}.safetensors' for part in parts]
     todo = [(part, path) for part, path in zip(parts, paths) if not path.exists()]
     done = len(parts) - len(todo)
-    with ProcessPoolExecutor(max(1, os.cpu_count() or 1)) as pool:
+    with ProcessPoolExecutor(max(1, os.cpu_count() or 1), initializer=_end_with,
+                             initargs=(os.getpid(),)) as pool:
         jobs = [pool.submit(_write_shard, str(model_path), list(part), path)
                 for part, path in todo]
         for job in jobs:

@@ -47,14 +47,14 @@ def residual_message(joints, residual, stamp):
     return out
 
 
-def estimate_status(name, estimate, age, method):
+def estimate_status(name, estimate, age, method, tared_mass):
     """
     Return DiagnosticStatus of an estimate.
 
     age [s]: time since the newest measurement in it, NaN before data; method: name of the
-    estimator in use.
+    estimator in use; tared_mass [kg]: what tare declared zero.
     """
     values = {'determined': ' '.join('1' if d else '0' for d in estimate.determined),
               'age': age, 'reason': estimate.reason, 'load_id': estimate.load_id,
-              'method': method}
+              'method': method, 'tared mass [kg]': tared_mass}
     return status_message(name, _LEVELS.get(estimate.status, OK), estimate.status, values)

@@ -135,7 +135,8 @@ class EstimatorNode(Node):
         self._last_status = (estimate.status, estimate.load_id)
         name = self.get_fully_qualified_name().lstrip('/')
         self._status.publish(estimate_status(f'{name}: load', estimate, age,
-                                             self._pipeline.method.name))
+                                             self._pipeline.method.name,
+                                             self._pipeline.tared_mass))
 
     def _report_input(self):
         rejected = self._pipeline.rejected
@@ -157,7 +158,8 @@ class EstimatorNode(Node):
 
     def _report_estimate(self):
         estimate, age = self._current()
-        status = estimate_status('', estimate, age, self._pipeline.method.name)
+        status = estimate_status('', estimate, age, self._pipeline.method.name,
+                                 self._pipeline.tared_mass)
         values = [(pair.key, pair.value) for pair in status.values]
         values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
                    ('mass std [kg]', float(estimate.std[0]))]
