@@ -6,21 +6,29 @@ import numpy as np
 
 # A backward step at least this long is a restarted clock or a looped recording, not jitter.
 RESTART_AFTER = 0.5
-# Faster than this many times the robot's limit is a broken message, not a motion.
+# More than this many times the robot's limit is a broken message, not a motion or a torque.
 SPEED_MARGIN = 5.0
+EFFORT_MARGIN = 3.0
+# Closer stamps [s] than any joint state has are one stamp written twice.
+SHORTEST_STEP = 5e-5
 
 
 class InputGuard:
     """
     Map messages to arrays in the robot's joint order and reject what cannot be used.
 
-    rejected: reason -> count. Joints are found by name in any order, also behind a tf_prefix;
-    messages about other joints only (a gripper's) are passed over and not counted as bad.
+    robot: names, limits, torque constants. rejected: reason -> count. Joints are found by name in
+    any order, also behind a tf_prefix; messages about other joints only (a gripper's) are passed
+    over and not counted as bad.
     """
 
-    def __init__(self, joints, max_velocity):
-        self._joints = tuple(joints)
-        self._speed_limit = SPEED_MARGIN * np.asarray(max_velocity, dtype=float)
+    def __init__(self, robot):
+        self._joints, limits = robot.joints, robot.limits
+        self._speed_limit = SPEED_MARGIN * limits.velocity
+        self._effort_limit = EFFORT_MARGIN * limits.torque / np.abs(robot.effort.torque_constants)
+        # A turn beyond the limits is an encoder that counts on, more is not an angle.
+        self._lower, self._upper = limits.lower - 2.0 * np.pi, limits.upper + 2.0 * np.pi
+        self._last_position = None
         self._index_of = {}
         self.rejected = Counter()
         self.last_stamp = None
@@ -30,8 +38,8 @@ class InputGuard:
         """
         Return (q, v, effort), (n,) each, or None.
 
-        v is NaN where the message has no velocity. `restarted` tells whether the clock jumped
-        back before this message.
+        v is NaN where the message has no velocity. `restarted` tells whether the clock or the
+        arm jumped before this message.
         """
         key = tuple(names)
         if key not in self._index_of:
@@ -53,7 +61,11 @@ class InputGuard:
             return self._reject('not_finite')
         if (np.abs(v) > self._speed_limit).any():
             return self._reject('implausible_velocity')
-        return (q, v, tau) if self._forward(stamp) else None
+        if (np.abs(tau) > self._effort_limit).any():
+            return self._reject('implausible_effort')
+        if (q < self._lower).any() or (q > self._upper).any():
+            return self._reject('implausible_position')
+        return (q, v, tau) if self._forward(stamp) and self._continuous(stamp, q) else None
 
     def _find(self, names):
         """Return indices (n,), a reason to reject, or None when no joint is of this robot."""
@@ -70,13 +82,28 @@ class InputGuard:
 
     def _forward(self, stamp):
         self.restarted = False
-        if self.last_stamp is not None and stamp <= self.last_stamp:
+        if self.last_stamp is not None and stamp < self.last_stamp + SHORTEST_STEP:
             if self.last_stamp - stamp < RESTART_AFTER:
-                self._reject('repeated_stamp' if stamp == self.last_stamp else 'backward_stamp')
+                near = abs(stamp - self.last_stamp) < SHORTEST_STEP
+                self._reject('repeated_stamp' if near else 'backward_stamp')
                 return False
             self.rejected['clock_restart'] += 1
             self.restarted = True
-        self.last_stamp = stamp
+            self._last_position = None
+        return True
+
+    def _continuous(self, stamp, q):
+        """Note an accepted state; refuse one that is farther away than the arm can have gone."""
+        if self._last_position is None:
+            # After a jump or a restarted clock the motion has no past.
+            self.restarted = True
+        else:
+            # The second term lets encoders quantise and clocks jitter.
+            reach = self._speed_limit * (stamp - self.last_stamp) + 0.02
+            if (np.abs(q - self._last_position) > reach).any():
+                self._last_position, self.last_stamp = None, stamp
+                return bool(self._reject('position_jump'))
+        self._last_position, self.last_stamp = q, stamp
         return True
 
     def _reject(self, reason):

@@ -18,7 +18,7 @@ class JointStream:
 
     def __init__(self, robot):
         self._joints = robot.joints
-        self._guard = InputGuard(robot.joints, robot.limits.velocity)
+        self._guard = InputGuard(robot)
         self._filter = MotionFilter(robot.n)
         self.accepted = 0
 

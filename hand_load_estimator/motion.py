@@ -114,7 +114,7 @@ class MotionFilter:
         return None
 
     def _advance(self, dt, signal):
-        key = round(dt, 7)
+        key = max(round(dt, 7), 1e-6)
         if key not in self._steps:
             if len(self._steps) > 4096:
                 self._steps.clear()

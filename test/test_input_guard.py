@@ -1,6 +1,8 @@
 """The input guard: usable joint states pass in the robot's order, others are counted by kind."""
 
 from core_helpers import block, exact_model, four_axes, messages
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,11 @@ Q, V, TAU = [0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [10.0, 20.0, 30.0]
 
 @pytest.fixture
 def guard():
-    return InputGuard(JOINTS, [3.0, 3.0, 3.0])
+    three = np.ones(3)
+    return InputGuard(SimpleNamespace(
+        joints=JOINTS, effort=SimpleNamespace(torque_constants=three),
+        limits=SimpleNamespace(velocity=3.0 * three, torque=1e3 * three, lower=-1e3 * three,
+                               upper=1e3 * three)))
 
 
 def accept(guard, stamp=1.0, names=JOINTS, position=Q, velocity=V, effort=TAU):

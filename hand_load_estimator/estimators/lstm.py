@@ -62,10 +62,10 @@ class Lstm:
     def __init__(self, model, uncertainties, artefact):
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
-        doubt = self._robot.effort.torque_constants_std
-        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties, doubt,
-                                     RestWatch(model.friction_level(), model.noise))
-        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, doubt)
+        # The doubt about torque constants is drawn in training, so the spread holds it already.
+        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties,
+                                     rest_watch=RestWatch(model.friction_level(), model.noise))
+        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
@@ -107,7 +107,7 @@ class Lstm:
                           weights * np.exp(gain))
         if self._plain.changes > changes:
             self._learned.forget()
-            self._watch.clear()
+            self._restart()
         self._count += 1
         if self._count % REFRESH == 0:
             self._renew()
@@ -156,4 +156,4 @@ class Lstm:
         return features(self._robot.limits, (residuals.rmse, residuals.intensity),
                         (sample.q, sample.v, sample.a), warmth,
                         (prediction.z, prediction.doubt, prediction.density),
-                        prediction.difference, load, self._relative, np.array(sample.dt))
+                        prediction.difference, load, self._relative)

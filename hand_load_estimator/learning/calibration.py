@@ -3,24 +3,30 @@
 import torch
 
 from ..load import MESSAGE_ORDER
-from .objective import answers
+from .features import REFRESH
+from .objective import JUDGED, answers
 from .shards import read_shard
 
-# Judged chunks (0.1 s each, motion starts 0.15 to 1 s in) for factors and scores.
-CHUNKS = (14, 19, 29, 49, 69, 99)
+# Chunks (0.1 s each, motion starts 0.15 to 1 s in) whose mass error the card tells.
+TOLD = (14, 19, 29, 49, 99)
 NORMAL_95 = 1.959964
 
 
 def _errors(network, paths, prior):
-    """Return error / std and error (cases, J, 10); the place of weightless loads is NaN."""
+    """
+    Return error / std and error (cases, J, 10) after the judged chunks.
+
+    NaN before the motion starts, and for the place of weightless loads.
+    """
     ratios, errors = [], []
+    ends = torch.tensor([(k + 1) * REFRESH - 1 for k in JUDGED])
     with torch.no_grad():
         for path in paths:
             shard = read_shard(path, 'cpu')
-            mean, variance = answers(network, shard, *prior, judged=CHUNKS)
+            mean, variance = answers(network, shard, *prior)
             error = mean - shard['load'][:, None, :].double()
-            error[:, :, 1:4][(shard['load'][:, 0] < 0.02)[:, None].expand(-1, len(CHUNKS))] \
-                = float('nan')
+            error[ends[None] <= shard['begin'][:, None]] = float('nan')
+            error[shard['load'][:, 0] < 0.02, :, 1:4] = float('nan')
             ratios.append(error / torch.sqrt(variance))
             errors.append(error)
     return torch.cat(ratios), torch.cat(errors)
@@ -42,9 +48,9 @@ def held_out_scores(network, factors, paths, prior):
     _, plain = _errors(None, paths, prior)
     scores = {'coverage_of_95': dict(zip(MESSAGE_ORDER, _rounded(coverage)))}
     for name, values in (('lstm', errors), ('without_network', plain)):
-        mass = torch.sqrt((values[:, :, 0] ** 2).mean(dim=0))
+        mass = torch.sqrt((values[:, [JUDGED.index(k) for k in TOLD], 0] ** 2).nanmean(dim=0))
         scores[f'mass_rmse_kg_{name}'] = dict(zip(
-            [f'{(k + 1) / 10:g} s' for k in CHUNKS], _rounded(mass)))
+            [f'{(k + 1) / 10:g} s' for k in TOLD], _rounded(mass)))
     return scores
 
 

@@ -12,7 +12,9 @@ import numpy as np
 
 # The posterior behind the innovations is renewed every so many samples.
 REFRESH = 5
-PER_JOINT, SHARED = 13, 12
+PER_JOINT, SHARED = 13, 11
+# Training ends after seconds; what grows surer for hours must not leave the range it saw.
+LEAST_LOG_STD = -1.4
 
 
 def squash(x):
@@ -25,7 +27,7 @@ def feature_count(n):
     return PER_JOINT + n + SHARED
 
 
-def features(limits, model, motion, warmth, friction, difference, load, relative_std, dt):
+def features(limits, model, motion, warmth, friction, difference, load, relative_std):
     """
     Return (..., n, F) inputs.
 
@@ -33,7 +35,7 @@ def features(limits, model, motion, warmth, friction, difference, load, relative
     motion: q, v, a; warmth [K], NaN where not measured; friction: z, doubt, density [Nm^2 s];
     difference [Nm]; load: innovation [Nm], variance of the load's torque [Nm^2] and the torque
     itself [Nm] as the running posterior has them; all (..., n). relative_std (..., 10): posterior
-    over prior standard deviations; dt (...) [s].
+    over prior standard deviations.
     """
     (rmse, intensity), (q, v, a), (z, doubt, density) = model, motion, friction
     innovation, variance, torque = load
@@ -44,7 +46,7 @@ def features(limits, model, motion, warmth, friction, difference, load, relative
         squash(torque / rmse), np.nan_to_num(warmth) / 20.0, z, np.minimum(doubt, 1.0),
         np.minimum(np.log(density / intensity) / 6.0, 2.0), squash(v / 0.01)], axis=-1)
     shared = np.concatenate(
-        [np.log(relative_std) / 5.0, known, dt[..., None] / 0.02 - 1.0], axis=-1)
+        [np.maximum(np.log(relative_std) / 5.0, LEAST_LOG_STD), known], axis=-1)
     n = q.shape[-1]
     shape = per_joint.shape[:-1]
     return np.concatenate([per_joint, np.broadcast_to(np.eye(n), shape + (n,)),

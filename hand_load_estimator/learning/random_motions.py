@@ -22,11 +22,16 @@ def _smooth_profile(t, total):
             inside * 60 * u * (1 - u) * (1 - 2 * u) / total ** 2)
 
 
+def _range(limits):
+    """Return low, high (n,) [rad] within the limits and within 2.6 rad of the nearest to zero."""
+    middle = np.clip(0.0, limits.lower, limits.upper)
+    return np.maximum(limits.lower, middle - 2.6), np.minimum(limits.upper, middle + 2.6)
+
+
 def random_moves(rng, robot, times):
     """Return q, v, a (N, n) of point-to-point moves with dwells along times (N,) [s]."""
     n, limits = robot.n, robot.limits
-    low = np.maximum(limits.lower, -2.6)
-    high = np.minimum(limits.upper, 2.6)
+    low, high = _range(limits)
     speed = rng.uniform(0.15, 1.0)
     here = rng.uniform(low, high)
     q = np.tile(here, (len(times), 1))
@@ -60,6 +65,7 @@ def random_moves(rng, robot, times):
 def random_waves(rng, robot, times):
     """Return q, v, a (N, n) of a sum of waves that grows out of rest, as identification uses."""
     n, limits = robot.n, robot.limits
+    low, high = _range(limits)
     begin = rng.uniform(0.15, 1.0)
     t = np.maximum(times - begin, 0.0)
     w = 2.0 * np.pi * rng.uniform(0.05, 0.35, (4, n))
@@ -77,8 +83,8 @@ def random_waves(rng, robot, times):
     scale = rng.uniform(0.2, 0.95) * min(
         np.min(limits.velocity / np.maximum(np.abs(v).max(axis=0), 1e-6)),
         np.min(limits.acceleration / np.maximum(np.abs(a).max(axis=0), 1e-6)),
-        np.min(1.8 / np.maximum(np.abs(q).max(axis=0), 1e-6)))
-    centre = rng.uniform(-1.0, 1.0, n)
+        np.min(0.3 * (high - low) / np.maximum(np.abs(q).max(axis=0), 1e-6)))
+    centre = low + (high - low) * rng.uniform(0.3, 0.7, n)
     return centre + scale * q, scale * v, scale * a
 
 

@@ -24,7 +24,7 @@ from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_s
 RATE = 100.0      # [Hz] of the simulated messages
 EVERY = 2         # messages per step of the estimator
 DURATION = 10.0   # [s]
-VELOCITY_NOISE = 2e-3 * np.sqrt(RATE / 500.0)   # [rad/s] as 2 mrad/s at 500 Hz
+VELOCITY_NOISE = (1e-4, 3e-3)   # [rad/s] at RATE: what drivers report differs that much
 NOISE_BANDWIDTH = BANDWIDTH * 3.0 / 16.0        # [Hz] two-sided, of the estimator's filter
 # Identification states what it found on data left out, colder or warmer than the rest: mostly
 # more than a run shows. Powers of ten by which stated densities exceed actual ones.
@@ -74,7 +74,7 @@ class SequenceMaker:
         times = np.arange(int(DURATION * RATE)) / RATE
         q, v, a = random_motion(rng, robot, times)
         torque = _friction_and_noise(rng, model, actual, q, v)
-        v = v + rng.normal(0.0, VELOCITY_NOISE, v.shape)
+        v = v + np.exp(rng.uniform(*np.log(VELOCITY_NOISE))) * rng.normal(size=v.shape)
         q, v, a, torque = _through_filter(q, v, torque)
         z, doubt = presliding_path(q, v, np.full(len(q), EVERY / RATE),
                                    model.presliding_distance())
@@ -83,7 +83,9 @@ class SequenceMaker:
         columns = torque_columns(robot, model.uses, x)
         load = random_load(rng, robot)
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
-        difference = load_columns @ load.to_products() + torque - _sliding_friction(model, x)
+        misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
+        difference = misread * (load_columns @ load.to_products())
+        difference += torque - _sliding_friction(model, x)
         difference += _temperature_error(model, x, warmth)
         difference += self._model_error(rng, actual, columns, x)
         difference += disturbances(rng, q, v, columns @ model.mean + difference,

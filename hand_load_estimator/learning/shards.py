@@ -76,7 +76,7 @@ def make_shard(maker, robot, seeds):
     inputs = np.stack([features(
         robot.limits, (s.rmse, s.intensity), np.moveaxis(s.motion, 1, 0), s.warmth,
         (s.z, s.doubt, s.density), s.difference, [x[k].numpy() for x in load],
-        relative[k].numpy(), np.full(len(s.z), DT)) for k, s in enumerate(sequences)])
+        relative[k].numpy()) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
             'load': stack['load'], 'begin': stack['begin']}

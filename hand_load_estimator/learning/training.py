@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import shutil
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from .sequences import DURATION
 from .shards import BATCH, prior_tensors, read_shard, write_shards
 
 CHECKPOINT_EVERY = 25   # steps
+BYTES_PER_SEQUENCE = 1e6   # on disk while training, for six joints
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4   # glibc's malloc.h
 
 
@@ -157,10 +159,18 @@ def _same_job(work, model_path, recipe):
     """Note what the work belongs to; refuse to mix two jobs."""
     job = {'recipe': asdict(recipe), 'model': Path(model_path).read_text(encoding='utf-8')}
     note = work / 'job.json'
-    if note.exists() and json.loads(note.read_text(encoding='utf-8')) != job:
+    if not note.exists():
+        needed = BYTES_PER_SEQUENCE * (recipe.sequences + recipe.calibration + recipe.validation)
+        free = shutil.disk_usage(work).free
+        if free < needed:
+            raise ConfigurationError(work, 'has too little room for the training sequences',
+                                     f'{free / 1e9:.1f} GB', f'{needed / 1e9:.1f} GB or more')
+        part = note.with_suffix('.part')
+        part.write_text(json.dumps(job), encoding='utf-8')
+        os.replace(part, note)
+    elif json.loads(note.read_text(encoding='utf-8')) != job:
         raise ConfigurationError(work, 'holds the unfinished training of another model or recipe',
                                  todo='remove it or give another --out')
-    note.write_text(json.dumps(job), encoding='utf-8')
 
 
 def _optimise(robot, recipe, paths, work, device, write):
