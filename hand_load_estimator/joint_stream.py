@@ -7,6 +7,8 @@ from .motion import Motion, MotionFilter
 
 # What a joint of a robot can have [degC]; outside is a broken sensor or another unit.
 PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
+# A reading older than this [s] says nothing any more: joints warm over minutes.
+TEMPERATURE_LIFE = 30.0
 
 
 class JointStream:
@@ -20,6 +22,7 @@ class JointStream:
         self._joints = robot.joints
         self._guard = InputGuard(robot)
         self._filter = MotionFilter(robot.n)
+        self._read_at = np.full(robot.n, -np.inf)
         self.accepted = 0
 
     @property
@@ -45,6 +48,7 @@ class JointStream:
         if self._guard.restarted:
             self._filter.restart()
         self.accepted += 1
+        self._expire_temperatures(stamp)
         gaps = self._filter.gaps
         sample = self._filter.update(stamp, *accepted)
         if self._filter.gaps > gaps:
@@ -61,6 +65,15 @@ class JointStream:
             self._guard.rejected['implausible_temperature'] += 1
             return
         self._filter.set_temperature(matches[0], celsius)
+        # Joint states tell the time; a reading before the first of them starts with it.
+        self._read_at[matches[0]] = np.nan if self.last_stamp is None else self.last_stamp
+
+    def _expire_temperatures(self, stamp):
+        self._read_at[np.isnan(self._read_at)] = stamp
+        for joint in np.flatnonzero(stamp - self._read_at > TEMPERATURE_LIFE):
+            if np.isfinite(self._filter.temperature[joint]):
+                self._filter.set_temperature(joint, np.nan)
+                self._guard.rejected['temperature_expired'] += 1
 
 
 def motion_of(robot, recording):

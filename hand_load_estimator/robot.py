@@ -103,6 +103,17 @@ class Robot:
         """Return K (..., n, 10) from already computed link regressors (..., n, 10 n)."""
         return link_regressor[..., -10:] @ self._load_to_link
 
+    def gravity_loaded(self, q):
+        """
+        Tell which joints (n,) bool carry a load's weight at q.
+
+        Those with at least a tenth of the largest gravity torque of the rated load: the joints
+        whose motion tells a mass.
+        """
+        zero = np.zeros(self.n)
+        torque = np.abs(self.load_regressor(q, zero, zero) @ self.rated_load.to_products())
+        return torque >= 0.1 * torque.max()
+
     def rigid_torque(self, q, v, a, load=None):
         """Return the torque (n,) of the nominal links and an optional LoadParameters."""
         tau = pin.rnea(self.model, self._data, q, v, a).copy()

@@ -10,10 +10,10 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
-from hand_load_estimator.benchmark.measure import (measure_plant, plant_models, run_case, TIMES)
+from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models, run_case)
 from hand_load_estimator.benchmark.page import markdown, picture
 from hand_load_estimator.benchmark.rivals import FixedLoad, LeastSquares
-from hand_load_estimator.benchmark.scores import complete, overview, score
+from hand_load_estimator.benchmark.scores import complete, overview, score, verdicts
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.identification import nominal_model
@@ -22,10 +22,10 @@ from hand_load_estimator.load import (LoadParameters, message_from_products, MES
 from hand_load_estimator.motion import MotionSample
 from hand_load_estimator.torque_model import Prediction
 
-METHODS = ('lstm', 'bayes')
+METHODS = ('lstm', 'bayes', 'least squares')
 
 
-def result(plant, seed, mass=5.0, off=0.0, std=1.0, bound=0.5, times=len(TIMES), changes=0):
+def result(plant, seed, mass=5.0, off=0.0, std=1.0, bound=0.5, times=len(MOMENTS), changes=0):
     """Return a case in which every figure is off by `off` standard figures."""
     load = block(mass).to_message()
     row = [(load + off).tolist(), [std] * 10]
@@ -39,8 +39,8 @@ def test_rmse_median_and_percentile_are_exact():
     offs = [0.0, 0.3, -0.4, 1.2]
     out = score([result(k, k, off=off) for k, off in enumerate(offs)], 12.5)
     assert set(out) == set(METHODS)
-    for entry, time in zip(out['bayes'], TIMES):
-        assert entry['time'] == time
+    assert [entry['time'] for entry in out['bayes']] == list(MOMENTS)
+    for entry in out['bayes']:
         assert entry['mass']['rmse'] == pytest.approx(np.sqrt(np.mean(np.square(offs))))
         assert entry['mass']['median'] == pytest.approx(0.35)
         assert entry['mass']['p95'] == pytest.approx(np.quantile([0.0, 0.3, 0.4, 1.2], 0.95))
@@ -70,6 +70,15 @@ def test_place_is_scored_where_there_is_something_to_place():
     assert out['bayes'][0]['com']['rmse'] == pytest.approx(np.sqrt(3) * 0.1)
 
 
+def test_goals_are_judged_on_the_figures():
+    near = {what: (value, good) for what, _, value, good in verdicts(
+        score([result(k, k, off=0.1) for k in range(3)], 12.5))}
+    assert near['median mass error at 1 s, % of rated'] == ('0.80', True)
+    assert near['95th percentile at 10 s, % of rated'] == ('0.80', False)
+    assert near['better baseline over ours, mass RMSE at 1 s'] == ('1.0', False)
+    assert near['coverage of every parameter at every time, %'] == ('100.0 to 100.0', False)
+
+
 def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
     results = [result(0, 1), result(0, 2, times=3), result(1, 3, off=1.0, changes=2)]
     assert [r['seed'] for r in complete(results)] == [1, 3]
@@ -82,7 +91,7 @@ def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
 def test_the_page_shows_what_was_measured(tmp_path):
     results = [result(k, k, off=0.25) for k in range(3)]
     scores = score(results, 12.5)
-    page = markdown(scores, overview(results), 'hand_load benchmark', 'abc1234')
+    page = markdown(scores, overview(results), verdicts(scores), 'hand_load benchmark', 'abc1234')
     assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page
     assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
     picture(scores, tmp_path / 'mass.png')
@@ -231,6 +240,7 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Plants measured before are read, not measured again."""
     plants = seeds.BENCHMARK_PLANTS[:2]
     monkeypatch.setitem(run.SUITES, 'base', (plants, seeds.BENCHMARK_CASES, 1))
+    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'abc'})
     (tmp_path / 'raw').mkdir()
     for k, plant in enumerate(plants):
         (tmp_path / 'raw' / f'plant_{plant}.json').write_text(
@@ -243,6 +253,9 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     assert content['schema'] == 'hand_load/benchmark/1'
     assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
     assert (tmp_path / 'mass.png').is_file()
+    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'def'})
+    with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):
+        run.run_suite('base', 'ur10e', None, tmp_path, 'the command', told.append)
 
 
 def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
@@ -250,7 +263,7 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 12.0),
                                                   ('pick_place', 30.0, 8.0)))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
-    monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0, 2.0))
+    monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))
     robot_path = tmp_path / 'arm.yaml'
     robot_path.write_text(yaml.safe_dump(four_axes().file.content))
     plant, seed = seeds.DEVELOPMENT_PLANTS[90], seeds.DEVELOPMENT_CASES[995]

@@ -87,6 +87,8 @@ def test_pick_and_place_with_an_unknown_load(start, listener, method):
     assert loop.heard['truth'][-1].inertia.m == 0.0
     error, std = loop.error()
     assert abs(error) < max(0.2, 4.0 * std), 'the empty hand weighs nothing'
+    values = {pair.key: pair.value for pair in loop.heard['status'][-1].values}
+    assert values['method'] == method, 'no silent fallback to another method'
     changes = loop.load_id()
     loop.hold(True)
     listener.until(lambda: loop.heard['truth'][-1].inertia.m == LOAD[0], 5.0, 'the load')

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..estimators.pipeline import MOTION_START
 from ..identification import prepare
 from ..joint_stream import JointStream
 from ..load import LoadParameters
@@ -84,14 +85,8 @@ def case_samples(robot, case, effects=()):
 
 
 def motion_start(robot, samples):
-    """
-    Return the stamp [s] at which a joint that gravity loads first exceeds 0.05 rad/s, or None.
-
-    Such a joint's share of the rated load's gravity torque is at least a tenth of the largest.
-    """
-    rated, zero = robot.rated_load.to_products(), np.zeros(robot.n)
+    """Return the stamp [s] at which a gravity-loaded joint first moves, or None."""
     for sample in samples:
-        torque = np.abs(robot.load_regressor(sample.q, zero, zero) @ rated)
-        if (np.abs(sample.v[torque >= 0.1 * torque.max()]) > 0.05).any():
+        if (np.abs(sample.v[robot.gravity_loaded(sample.q)]) > MOTION_START).any():
             return sample.stamp
     return None

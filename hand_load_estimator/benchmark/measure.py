@@ -18,7 +18,9 @@ from .bound import Bound
 from .cases import case_samples, draw_case, identification_evidence, motion_start
 from .rivals import COULOMB_VISCOUS, FixedLoad, LeastSquares
 
-TIMES = (0.1, 0.2, 0.5, 1.0, 3.0, 10.0)
+TIMES = (0.1, 0.2, 0.5, 1.0, 3.0, 10.0)   # [s] after motion start; the end of the run follows
+MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
+RATE = 500.0                              # [Hz] of the simulated joint states
 
 
 class Contestant:
@@ -70,26 +72,31 @@ def plant_models(robot, plant, effects=()):
     noise = Plant(robot, seed=plant).noise
     return {'ours': identify(robot, evidence),
             'textbook': identify(robot, evidence, COULOMB_VISCOUS),
-            'nominal': nominal_model(robot, noise ** 2 * 0.002)}
+            'nominal': nominal_model(robot, noise ** 2 / RATE)}
 
 
 def run_case(robot, case, models, learned, effects=()):
     """Return the plain result of one case: errors and stds of every method at every time."""
     samples = case_samples(robot, case, effects)
     start = motion_start(robot, samples)
-    bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, 500.0)
+    bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
     methods = contestants(robot, models, learned)
     rows = {name: [] for name in methods}
     bounds, due = [], list(TIMES)
+
+    def note(beliefs):
+        bounds.append(bound.std().tolist())
+        for name, belief in beliefs.items():
+            rows[name].append([belief.mean.tolist(),
+                               np.sqrt(np.diag(belief.covariance)).tolist()])
+
     for sample in samples:
         bound.update(sample)
         beliefs = {name: contestant.update(sample) for name, contestant in methods.items()}
         while start is not None and due and sample.stamp >= start + due[0] - 1e-9:
             due.pop(0)
-            bounds.append(bound.std().tolist())
-            for name, belief in beliefs.items():
-                rows[name].append([belief.mean.tolist(),
-                                   np.sqrt(np.diag(belief.covariance)).tolist()])
+            note(beliefs)
+    note(beliefs)
     return {'plant': case.plant, 'seed': case.seed, 'load': case.load.to_message().tolist(),
             'temperature': case.temperature, 'speed': case.speed, 'bound': bounds,
             'changes': methods['lstm'].method.changes, 'methods': rows,

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..load import MESSAGE_ORDER
+from .measure import TIMES
 
 
 def _row(cells):
@@ -13,14 +14,28 @@ def _table(head, rows):
     return '\n'.join([_row(head), _row(['---'] * len(head)), *map(_row, rows)])
 
 
-def _mass_table(scores, figure):
+def _mass_table(scores):
     times = [entry['time'] for entry in next(iter(scores.values()))]
-    rows = [[name, *(f'{1e3 * entry["mass"][figure]:.0f}' for entry in entries)]
+    rows = [[name, *(f'{1e3 * entry["mass"]["rmse"]:.0f}' for entry in entries)]
             for name, entries in scores.items()]
-    if figure == 'rmse':
-        first = next(iter(scores.values()))
-        rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in first)])
-    return _table([f'mass {figure} [g] after', *(f'{t:g} s' for t in times)], rows)
+    ours = scores['lstm']
+    rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in ours)])
+    rows.append(['`lstm` over the bound', *(
+        f'{e["mass"]["rmse"] / e["bound_mass_rmse"]:.1f}' for e in ours)])
+    return _table(['mass RMSE [g] after', *times], rows)
+
+
+def _percent_table(scores):
+    times = [entry['time'] for entry in next(iter(scores.values()))]
+    rows = [[name, *(' / '.join(f'{e["mass_percent_of_rated"][f]:.2f}' for f in ('median', 'p95'))
+                     for e in entries)] for name, entries in scores.items()]
+    return _table(['mass, median / 95th percentile [% of rated] after', *times], rows)
+
+
+def _inertia_table(entries):
+    rows = [[e['time'], *(f'{1e3 * e["inertia"][m]["median"]:.1f}' for m in MESSAGE_ORDER[4:])]
+            for e in entries]
+    return _table(['inertia, median error [g m^2]', *MESSAGE_ORDER[4:]], rows)
 
 
 def _com_table(scores):
@@ -28,22 +43,23 @@ def _com_table(scores):
     rows = [[name, *(f'{1e3 * e["com"]["median"]:.1f} / {1e3 * e["com"]["p95"]:.1f}'
                      for e in entries)] for name, entries in scores.items()]
     return _table(['centre of mass, median / 95th percentile [mm] after',
-                   *(f'{t:g} s' for t in times)], rows)
+                   *times], rows)
 
 
 def _coverage_table(entries):
-    rows = [[f'{e["time"]:g} s', *(f'{100 * e["coverage"][m]["share"]:.1f}'
-                                   for m in MESSAGE_ORDER)] for e in entries]
-    return _table(['coverage of 95 % [%]', *MESSAGE_ORDER], rows)
+    rows = [[e["time"], *(f'{100 * e["coverage"][m]["share"]:.1f} '
+                          f'({100 * e["coverage"][m]["error"]:.1f})'
+                          for m in MESSAGE_ORDER)] for e in entries]
+    return _table(['coverage of 95 % (standard error over plants) [%]', *MESSAGE_ORDER], rows)
 
 
 def _width_table(entries):
-    rows = [[f'{e["time"]:g} s', *(f'{e["width_over_bound"][m]:.1f}' for m in MESSAGE_ORDER)]
+    rows = [[e["time"], *(f'{e["width_over_bound"][m]:.1f}' for m in MESSAGE_ORDER)]
             for e in entries]
     return _table(['width over bound', *MESSAGE_ORDER], rows)
 
 
-def markdown(scores, overview, command, commit):
+def markdown(scores, overview, verdicts, command, commit):
     """Return the page as text."""
     parts = [
         '# Accuracy on the base suite',
@@ -52,8 +68,11 @@ def markdown(scores, overview, command, commit):
         'identified from four 40 s recordings without load. '
         f'False load changes: {overview["false_load_changes"]} cases.',
         f'Command: `{command}`, commit {commit}.',
-        _mass_table(scores, 'rmse'), _mass_table(scores, 'median'), _mass_table(scores, 'p95'),
-        _com_table(scores)]
+        _table(['goal', 'wanted', 'measured', 'reached'], [
+            [what, goal, value, 'yes' if good else '**no**'] for what, goal, value, good
+            in verdicts]),
+        _mass_table(scores), _percent_table(scores), _com_table(scores),
+        _inertia_table(scores['lstm'])]
     for name in ('lstm', 'bayes'):
         if name in scores:
             parts += [f'## Intervals of `{name}`', _coverage_table(scores[name]),
@@ -71,12 +90,12 @@ def picture(scores, path):
     from matplotlib import pyplot
     figure, axes = pyplot.subplots(figsize=(7.0, 4.5), layout='constrained')
     for name, entries in scores.items():
-        times = [e['time'] for e in entries]
-        axes.loglog(times, [1e3 * e['mass']['rmse'] for e in entries], 'o-', label=name)
-    bound = [1e3 * e['bound_mass_rmse'] for e in entries]
-    axes.loglog(times, bound, 'k--', label='Cramer-Rao bound')
+        axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]], 'o-',
+                    label=name)
+    bound = [1e3 * e['bound_mass_rmse'] for e in entries[:len(TIMES)]]
+    axes.loglog(TIMES, bound, 'k--', label='Cramer-Rao bound')
     axes.set(xlabel='time after motion start [s]', ylabel='mass RMSE [g]')
-    axes.set_xticks(times, [f'{t:g}' for t in times])
+    axes.set_xticks(TIMES, [f'{t:g}' for t in TIMES])
     axes.set_xticks([], minor=True)
     axes.set_ylim(1.0, 1.2e3 * np.max([e['mass']['rmse'] for v in scores.values() for e in v]))
     axes.grid(True, which='major', alpha=0.4)

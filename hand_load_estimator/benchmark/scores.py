@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..load import MESSAGE_ORDER
-from .measure import TIMES
+from .measure import MOMENTS
 
 NORMAL_95 = 1.959964
 # Place is scored where there is something to place.
@@ -20,7 +20,7 @@ def _matrix(results, name):
 
 def complete(results):
     """Return the cases in which the arm moved long enough for every time."""
-    return [r for r in results if len(r['bound']) == len(TIMES)]
+    return [r for r in results if len(r['bound']) == len(MOMENTS)]
 
 
 def _spread(values):
@@ -48,10 +48,10 @@ def score(results, rated_mass):
         com = np.linalg.norm(error[heavy][:, :, 1:4], axis=2)
         inside = np.abs(error) <= NORMAL_95 * std
         per_time = []
-        for k, t in enumerate(TIMES):
+        for k, moment in enumerate(MOMENTS):
             mass = _spread(error[:, k, 0])
             per_time.append({
-                'time': t, 'mass': mass,
+                'time': moment, 'mass': mass,
                 'mass_percent_of_rated': {n: 100.0 * v / rated_mass for n, v in mass.items()},
                 'com': _spread(com[:, k]),
                 'inertia': {m: _spread(error[:, k, i]) for i, m in
@@ -62,6 +62,26 @@ def score(results, rated_mass):
                 'width_over_bound': {m: float(np.median(std[:, k, i] / bound[:, k, i]))
                                      for i, m in enumerate(MESSAGE_ORDER)}})
         out[name] = per_time
+    return out
+
+
+def verdicts(scores):
+    """Return (what, goal, value, reached) of the goals issue 2 states for `lstm`."""
+    at = {name: {entry['time']: entry for entry in entries} for name, entries in scores.items()}
+    ours, percent = at['lstm'], 'mass_percent_of_rated'
+    rivals = [name for name in at if 'least squares' in name]
+    rival = min(at[name]['1 s']['mass']['rmse'] for name in rivals)
+    shares = [e['coverage'][m]['share'] for e in ours.values() for m in MESSAGE_ORDER]
+    rows = [
+        ('median mass error at 1 s, % of rated', '<= 1', ours['1 s'][percent]['median'], 1.0),
+        ('95th percentile at 1 s, % of rated', '<= 3', ours['1 s'][percent]['p95'], 3.0),
+        ('95th percentile at 10 s, % of rated', '<= 0.5', ours['10 s'][percent]['p95'], 0.5)]
+    out = [(what, goal, f'{value:.2f}', value <= limit) for what, goal, value, limit in rows]
+    ratio = rival / ours['1 s']['mass']['rmse']
+    out.append(('better baseline over ours, mass RMSE at 1 s', '>= 4', f'{ratio:.1f}', ratio >= 4))
+    low, high = 100.0 * min(shares), 100.0 * max(shares)
+    out.append(('coverage of every parameter at every time, %', '90 to 99',
+                f'{low:.1f} to {high:.1f}', low >= 90.0 and high <= 99.0))
     return out
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .load_belief import any_rated_belief
+from .model_doubt import ModelDoubt
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,11 @@ class ThresholdSettings:
     """
     Where a torque begins to be a collision.
 
-    margin: times the torque model's noise; sigma: standard deviations of the load's torque;
+    margin: times the torque model's noise; sigma > 0: standard deviations of the load's torque
+    and of the torque model's;
     inertia_share: part of the accelerating torque that model, load and timing may be wrong by;
-    slow [rad/s]: below it the direction of friction is not known; debounce: residuals in a row;
-    delay [s]: how much later than the motion the residual torque shows it (estimator's filter,
+    slow [rad/s]: below it the direction of friction is not known; debounce: residuals in a row,
+    or at most debounce_time [s] of them; delay [s]: how much later than the motion the residual torque shows it (estimator's filter,
     message); relax_time [s]: time constant of a falling threshold.
     """
 
@@ -30,6 +32,7 @@ class ThresholdSettings:
     inertia_share: float = 0.2
     slow: float = 0.05
     debounce: int = 3
+    debounce_time: float = 0.2
     delay: float = 0.06
     relax_time: float = 0.3
 
@@ -47,6 +50,7 @@ class CollisionThresholds:
 
     def __init__(self, model, settings=ThresholdSettings()):
         self._model, self._settings = model, settings
+        self._doubt = ModelDoubt(model)
         self._fixed = any_rated_belief(model.robot, settings.sigma)
 
     def at(self, q, v, a, belief, temperature):
@@ -63,8 +67,9 @@ class CollisionThresholds:
         fixed = base + band
         if belief.source == 'estimate':
             mean, narrow = self._load_band(belief, regressor, inertia)
-            expected = np.where(narrow < band, mean, expected)
-            band = np.minimum(narrow, band)
+            # Not finite is not tighter: then the threshold stays the fixed one.
+            tighter = narrow < band
+            expected, band = np.where(tighter, mean, expected), np.where(tighter, narrow, band)
         return Thresholds(expected, base + band), fixed
 
     def _load_band(self, belief, regressor, inertia):
@@ -84,7 +89,7 @@ class CollisionThresholds:
         # A joint at rest may hold any torque up to its friction, in either direction.
         slowness = np.clip(2.0 - np.abs(v) / settings.slow, 0.0, 1.0)
         return settings.margin * self._model.noise + settings.inertia_share * inertia \
-            + 2.0 * slowness * friction
+            + 2.0 * slowness * friction + settings.sigma * self._doubt.std(q, v, a, temperature)
 
 
 class CollisionDetector:
@@ -96,7 +101,7 @@ class CollisionDetector:
 
     def __init__(self, settings=ThresholdSettings()):
         self._settings, self._history, self._count = settings, deque(), 0
-        self._last, self._deaf_until = None, -np.inf
+        self._last, self._deaf_until, self._since = None, -np.inf, None
         self.collided, self.what = False, None
 
     def record(self, now, thresholds, fixed):
@@ -112,7 +117,7 @@ class CollisionDetector:
             threshold = np.maximum(threshold, np.minimum(fading, fixed))
         elif self._last is not None:
             self._history.clear()
-            self._deaf_until = -np.inf
+            self._deaf_until, self._count = -np.inf, 0
         self._last = (now, threshold)
         in_force = Thresholds(thresholds.expected, threshold)
         self._history.append((now, in_force))
@@ -134,12 +139,20 @@ class CollisionDetector:
         expected = np.array([entry.expected for entry in stretch])
         threshold = np.max([entry.threshold for entry in stretch], axis=0)
         beyond = np.maximum(residual - expected.max(axis=0), expected.min(axis=0) - residual)
-        hit = beyond > threshold
-        self._count = self._count + 1 if hit.any() else 0
-        if self._count >= self._settings.debounce and not self.collided:
+        # A threshold that is not a number must not switch the detection off.
+        hit = ~(beyond <= threshold)
+        if self._lasting(stamp, hit.any()) and not self.collided:
             self.collided = True
             self.what = (np.flatnonzero(hit), beyond, threshold)
         return self.collided
+
+    def _lasting(self, stamp, hit):
+        """Tell whether enough residuals in a row were beyond, or they were for long enough."""
+        self._count = self._count + 1 if hit else 0
+        if self._count == 1:
+            self._since = stamp
+        return self._count >= self._settings.debounce or (
+            self._count > 1 and stamp - self._since >= self._settings.debounce_time - 1e-9)
 
     def reset(self):
         """Forget the collision, and what residual torques still tell of it."""

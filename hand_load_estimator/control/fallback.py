@@ -14,7 +14,8 @@ class FallbackSettings:
     """
     When to fall back to the rated load, and how to come back from it.
 
-    timeout [s]: age at which an estimate or status is stale; relax_time [s]: from the rated
+    timeout [s]: age at which an estimate or status is stale; residual_timeout [s]: age at which
+    the residual torque is, and no collision would be noticed; relax_time [s]: from the rated
     load's limits to the estimate's (the other way is at once); confirm_time [s] of motion after
     which an expected load change that the estimator has not seen did not happen.
     """
@@ -22,6 +23,7 @@ class FallbackSettings:
     timeout: float = 0.5
     relax_time: float = 0.5
     confirm_time: float = 0.5
+    residual_timeout: float = 0.2
 
 
 def usable_estimate(mean, covariance):
@@ -33,6 +35,8 @@ def usable_estimate(mean, covariance):
         return 'estimate_not_finite'
     if np.linalg.eigvalsh(0.5 * (covariance + covariance.T))[0] < -1e-6 * np.trace(covariance):
         return 'covariance_not_positive'
+    if mean[0] < -3.0 * np.sqrt(max(covariance[0, 0], 0.0)):
+        return 'negative_mass'
     return ''
 
 
@@ -42,13 +46,15 @@ class LoadPolicy:
 
     belief: LoadBelief to plan with; caution in [0, 1]: 1 after a fallback, falling to 0 while
     the estimate is trusted; reason: why the estimate is not trusted, empty when it is. The
-    estimate is kept from motion to motion while the load is the same (E8.4).
+    estimate is kept from motion to motion while the load is the same (E8.4). blind: why no
+    collision would be noticed, empty when it would; a reason for the rated load's limits too.
     """
 
     def __init__(self, robot, settings=FallbackSettings()):
         self._settings, self._rated = settings, rated_belief(robot)
         self._estimate, self._estimate_time = None, -np.inf
         self._status, self._status_time, self._load_id = 'NO_DATA', -np.inf, None
+        self._residual_stamp, self.blind = -np.inf, 'no residual torque has arrived'
         self._expected_after, self._moved, self._now = None, 0.0, None
         self.caution, self.reason = 1.0, 'no estimate has arrived'
 
@@ -72,6 +78,10 @@ class LoadPolicy:
         if status not in TRUSTED:
             self._distrust(f'the estimator says {status}')
 
+    def residual(self, stamp):
+        """Note that a usable residual torque of `stamp` [s] has arrived."""
+        self._residual_stamp = stamp
+
     def expect_change(self):
         """
         Distrust what is known: the hand is about to grip or release.
@@ -87,7 +97,8 @@ class LoadPolicy:
         self._now = now
         if moving and self._status in TRUSTED:
             self._moved += step
-        reason = self._judge(now)
+        self.blind = self._judge_residual(now)
+        reason = self._judge(now) or self.blind
         if reason:
             self._distrust(reason)
             return
@@ -111,4 +122,12 @@ class LoadPolicy:
                     and self._moved < self._settings.confirm_time:
                 return 'the hand has gripped or released'
             self._expected_after = None
+        return ''
+
+    def _judge_residual(self, now):
+        age = now - self._residual_stamp
+        if np.isinf(age):
+            return 'no residual torque has arrived'
+        if abs(age) > self._settings.residual_timeout:
+            return f'the last residual torque is {age:.2f} s old: no collision would be noticed'
         return ''

@@ -52,8 +52,10 @@ def any_rated_belief(robot, sigma):
     `sigma` standard deviations reach from half the rated load to none and to all of it, and at
     the same time move its centre of mass by the rated distance in any direction (a data sheet
     names the distance from the flange, not the side). For thresholds, which must hold for every
-    such load.
+    such load. Raises ValueError for a sigma that is not positive.
     """
+    if not sigma > 0.0:
+        raise ValueError(f'sigma is {sigma}; it must be positive')
     rated = robot.rated_load
     half = 0.5 * rated.to_products()
     aside = np.zeros((10, 10))

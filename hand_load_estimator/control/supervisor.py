@@ -8,6 +8,7 @@ import numpy as np
 from .acceleration_limits import MovePlanner, PlanSettings
 from .braking import braking_trajectory
 from .collision_threshold import CollisionDetector, CollisionThresholds, ThresholdSettings
+from .cycle_limits import rated_cycle_limits
 from .fallback import FallbackSettings, LoadPolicy
 from .pick_place import pick_and_place
 from .running_move import RunningMove
@@ -19,6 +20,7 @@ _OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not b
 _AT_REST = 0.1           # [rad/s] faster: somebody else still moves the arm
 _SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
 _INPUT_TIMEOUT = 0.5     # [s] without joint states while moving: stop
+_FRESH = 0.05            # [s] older joint states do not tell where a moving arm is
 _REPLAN_PERIOD = 0.15    # [s]
 _CLOCK_JUMP = 0.5        # [s] a clock that steps back or ahead by more has been restarted
 _PAUSE = 0.3             # [s] between a stop and the next try
@@ -46,8 +48,8 @@ class Supervisor:
     The controller without its messages.
 
     Feed measured(), residual() and policy.estimate(), policy.status(); call tick() at a fixed
-    rate and send the Trajectory it returns. phase: one of pick_place.PHASES; limits:
-    MotionLimits of the move, None before the first; move: the PlannedMove under way or last;
+    rate and send the Trajectory it returns. phase: one of pick_place.PHASES; move: the
+    PlannedMove under way or last, None before the first;
     in_force: Thresholds now, None before joint states; counts: events since the start.
     """
 
@@ -56,9 +58,12 @@ class Supervisor:
         self.policy = LoadPolicy(model.robot, settings.fallback)
         self.detector = CollisionDetector(settings.thresholds)
         self.temperature = np.full(model.robot.n, np.nan)
-        self.phase, self.limits, self.move, self.in_force = 'home', None, None, None
+        self.phase, self.move, self.in_force = 'home', None, None
         self.stop_reason, self.counts = '', Counter()
         self._planner = MovePlanner(model, settings.plan)
+        self._rated_limits = rated_cycle_limits(self._planner, model.robot, settings.waypoints,
+                                                settings.plan.speed_scale)
+        self._move_limits = None
         self._thresholds = CollisionThresholds(model, settings.thresholds)
         self._steps = pick_and_place(settings.cycles, settings.dwell, settings.home_dwell)
         self._step, self._run, self._braking, self._goal = next(self._steps), None, None, None
@@ -70,12 +75,25 @@ class Supervisor:
         """Whether a motion is under way."""
         return self._run is not None or self._braking is not None
 
+    @property
+    def limits(self):
+        """
+        The MotionLimits in force.
+
+        Those of the move while the load it was planned for is believed, else the smallest of
+        the cycle with the rated load.
+        """
+        if self.move is None or (self.move.basis == 'estimate' and not self.policy.trusted):
+            return self._rated_limits
+        return self._move_limits
+
     def measured(self, now, q, v):
-        """Take position and velocity (n,) that arrived at `now` [s]."""
+        """Take position and velocity (n,), NaN where unknown, that arrived at `now` [s]."""
         self._q, self._v, self._measured_at = q, v, now
 
     def residual(self, stamp, torque):
         """Take the residual torque (n,) [Nm] of `stamp` [s]."""
+        self.policy.residual(stamp)
         self.detector.check(stamp, torque)
 
     def reset(self):
@@ -87,7 +105,7 @@ class Supervisor:
 
     def stop(self):
         """Return the braking trajectory that ends a motion under way; None at rest."""
-        return self._brake() if self._run is not None else None
+        return self._brake(self._now) if self._run is not None else None
 
     def tick(self, now, ready=True):
         """
@@ -128,8 +146,13 @@ class Supervisor:
 
     def _may_move(self, now):
         pausing = self._pause_until is not None and now < self._pause_until
-        stale = now - self._measured_at > _INPUT_TIMEOUT
-        return not pausing and not stale and np.max(np.abs(self._v)) < _AT_REST
+        stale = self._age(now) > _INPUT_TIMEOUT
+        speed = np.max(np.abs(np.nan_to_num(self._v)))
+        return not pausing and not stale and speed < _AT_REST
+
+    def _age(self, now):
+        """Return the age [s] of the joint states; ahead of a clock that jumped back is old too."""
+        return abs(now - self._measured_at)
 
     def _dwell(self, now):
         if self._dwell_until is None:
@@ -163,18 +186,20 @@ class Supervisor:
 
     def _accept(self, move):
         self.move = move
-        self.limits = move.motion_limits(self.robot.limits, self._settings.plan.speed_scale)
+        self._move_limits = move.motion_limits(self.robot.limits, self._settings.plan.speed_scale)
 
     def _follow(self, now):
-        if now - self._measured_at > _INPUT_TIMEOUT:
+        if self._age(now) > _INPUT_TIMEOUT:
             return self._halt(now, 'the joint states have stopped while the arm was moving')
-        distance = np.max(np.abs(self._q - self._run.state(now)[0]))
-        if distance > _OFF_PATH:
+        # The reference moves on; compared with where the arm was, it would seem far away.
+        fresh = self._age(now) <= _FRESH
+        distance = self._distance(now)
+        if fresh and distance > _OFF_PATH:
             self.counts['off_path'] += 1
             return self._retry(now)
         if now >= self._run.end:
             return self._arrive(now)
-        if now >= self._next_replan and distance < _ON_PATH:
+        if now >= self._next_replan and fresh and distance < _ON_PATH:
             self._next_replan = now + _REPLAN_PERIOD
             if self._run.replan(now, self._planner, self.policy.belief, self.temperature,
                                 self.policy.caution):
@@ -182,6 +207,9 @@ class Supervisor:
                 self._accept(self._run.move)
                 return self._run.trajectory.shifted(-now)
         return None
+
+    def _distance(self, now):
+        return np.max(np.abs(self._q - self._run.state(now)[0]))
 
     def _arrive(self, now):
         if np.max(np.abs(self._q - self._run.goal)) < _AT_GOAL:
@@ -194,7 +222,7 @@ class Supervisor:
 
     def _retry(self, now):
         """Stop, and begin the step again from where the arm is."""
-        brake = self._brake()
+        brake = self._brake(now)
         self._run, self._braking, self._goal = None, brake.shifted(now), None
         self._pause_until = now + brake.duration + _PAUSE
         return brake
@@ -206,14 +234,24 @@ class Supervisor:
         self._dwell_until = None
         if self._run is None:
             return None
-        brake = self._brake()
+        brake = self._brake(now)
         self._run, self._braking, self._goal = None, brake.shifted(now), None
         return brake
 
-    def _brake(self):
+    def _brake(self, now):
         use = TorqueUse(self._model, self.policy.belief, self._settings.plan.sigma,
                         self.temperature)
-        return braking_trajectory(self._q, self._v, use, self.robot.limits.acceleration)
+        return braking_trajectory(*self._brake_from(now), use, self.robot.limits.acceleration)
+
+    def _brake_from(self, now):
+        """Return position and velocity to brake from: measured, or else as commanded."""
+        measured = self._age(now) <= _FRESH
+        if measured and not np.isfinite(self._v).all():
+            # Without velocities the reference has them, as long as the arm follows it.
+            measured = self._distance(now) > _ON_PATH
+        if measured:
+            return self._q, np.nan_to_num(self._v)
+        return self._run.state(now)[:2]
 
     def _reference(self, now):
         if self._run is not None:

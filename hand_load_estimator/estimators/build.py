@@ -29,8 +29,12 @@ def determined_std(robot):
 def shipped_artefact(robot):
     """Return the folder of the artefact shipped for a robot's joints and effort kind, or None."""
     for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{CARD}')):
-        content = json.loads(card.read_text(encoding='utf-8'))
-        if tuple(content.get('joints', ())) == robot.joints \
+        try:
+            content = json.loads(card.read_text(encoding='utf-8'))
+        except ValueError as error:
+            raise ConfigurationError(card, f'is not JSON ({error})',
+                                     todo='install the package again') from None
+        if content.get('joints') == list(robot.joints) \
                 and content.get('effort_kind') == robot.effort.kind:
             return card.parent
     return None

@@ -71,7 +71,7 @@ class Pipeline:
             return None
         prediction = self._follower.update(sample)
         self.residual = prediction.difference
-        self._began = self._began or bool((np.abs(sample.v) > MOTION_START).any())
+        self._began = self._began or self._moves(sample)
         belief = self.method.update(sample, prediction)
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
@@ -99,12 +99,16 @@ class Pipeline:
         self.method.tare()
         self._estimate = None
 
+    def _moves(self, sample):
+        loaded = self.model.robot.gravity_loaded(sample.q)
+        return bool((np.abs(sample.v[loaded]) > MOTION_START).any())
+
     def _labelled(self, stamp, belief):
         determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
         change = self.method.last_change
         if not self._began:
             return self._say(stamp, belief, 'WAITING_FOR_MOTION',
-                             'no joint has moved: at rest friction hides the load')
+                             'no joint that carries the load has moved: at rest friction hides it')
         if self.method.mismatch:
             return self._say(stamp, belief, 'MODEL_MISMATCH', self.method.mismatch)
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:

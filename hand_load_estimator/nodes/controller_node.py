@@ -29,10 +29,12 @@ from .controller_messages import (effort_by_name, limits_message, thresholds_mes
 from .controller_parameters import CONTROLLER_PARAMETERS
 from .diagnostics import ERROR, OK, WARN, Diagnostics
 from .estimate_messages import vector_of_inertia
+from .load_pairing import LoadPairing
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement
 from .runner import run_node
 from .stamps import StampBase
+from .temperature_input import subscribe_dynamic_joint_states
 
 _LAST_WORDS = 0.5  # [s] at most, for the last trajectory to be received
 _RESTING = 5  # thresholds at rest are published every this many cycles
@@ -78,9 +80,9 @@ class ControllerNode(Node):
         model = model_from_parameters(values)
         self._robot = model.robot
         self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
-        self._guard = InputGuard(self._robot.joints, self._robot.limits.velocity)
+        self._guard = InputGuard(self._robot)
         self._rejected, self._base = Counter(), StampBase()
-        self._mean, self._behind, self._ticks = None, 0.0, 0
+        self._pairing, self._behind, self._ticks = LoadPairing(), 0.0, 0
         self._said = {}
         self._create_outputs()
         self._create_inputs(values)
@@ -102,7 +104,10 @@ class ControllerNode(Node):
                                  measurement(values.joint_states_depth))
         self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
                                  measurement(200))
+        subscribe_dynamic_joint_states(self, values.joint_states_depth, self._take_temperature)
         self.create_subscription(InertiaStamped, 'estimator/load', self._on_load, OUTPUT)
+        self.create_subscription(InertiaStamped, 'estimator/load_variance', self._on_variance,
+                                 OUTPUT)
         self.create_subscription(Float64MultiArray, 'estimator/load_covariance',
                                  self._on_covariance, OUTPUT)
         self.create_subscription(DiagnosticStatus, 'estimator/status', self._on_status, LATCHED)
@@ -130,32 +135,44 @@ class ControllerNode(Node):
         q, v, _ = accepted
         now = self._now()
         self._behind = now - stamp
-        self._supervisor.measured(now, q, np.nan_to_num(v))
+        self._supervisor.measured(now, q, v)
 
     def _on_temperature(self, message):
-        joint, celsius = message.header.frame_id, message.temperature
+        self._take_temperature(message.header.frame_id, message.temperature)
+
+    def _take_temperature(self, joint, celsius):
         matches = [i for i, name in enumerate(self._robot.joints) if joint.endswith(name)]
         low, high = PLAUSIBLE_TEMPERATURE
-        if len(matches) == 1 and low < celsius < high:
+        if len(matches) != 1:
+            return
+        if low < celsius < high:
             self._supervisor.temperature[matches[0]] = celsius
-        elif matches:
+        else:
             self._rejected['implausible_temperature'] += 1
 
     def _on_load(self, message):
-        self._mean = vector_of_inertia(message.inertia)
+        self._take_estimate(self._pairing.mean(*_stamped_vector(message)))
+
+    def _on_variance(self, message):
+        self._take_estimate(self._pairing.variance(*_stamped_vector(message)))
 
     def _on_covariance(self, message):
-        # The covariance follows its mean; waiting for it never pairs a new mean with an old one.
-        if self._mean is None:
-            return
         covariance = np.array(message.data)
-        covariance = covariance.reshape(10, 10) if covariance.size == 100 else covariance
-        mean, self._mean = self._mean, None
-        unusable = usable_estimate(mean, covariance)
+        if covariance.size != 100:
+            self._rejected['estimate_size'] += 1
+        elif not np.isfinite(covariance).all():
+            self._rejected['estimate_not_finite'] += 1
+        else:
+            self._take_estimate(self._pairing.covariance(covariance.reshape(10, 10)))
+
+    def _take_estimate(self, estimate):
+        if estimate is None:
+            return
+        unusable = usable_estimate(*estimate)
         if unusable:
             self._rejected[unusable] += 1
         else:
-            self._supervisor.policy.estimate(self._now(), mean, covariance)
+            self._supervisor.policy.estimate(self._now(), *estimate)
 
     def _on_status(self, message):
         values = {pair.key: pair.value for pair in message.values}
@@ -204,7 +221,7 @@ class ControllerNode(Node):
             self.get_logger().info(f'phase {supervisor.phase} {supervisor.stop_reason}'.strip())
         if self._changed('collision', supervisor.detector.collided):
             self._collision.publish(Bool(data=supervisor.detector.collided))
-        if supervisor.limits is not None and self._changed('limits', supervisor.limits):
+        if self._changed('limits', supervisor.limits):
             self._limits.publish(limits_message(self._robot.joints, supervisor.limits,
                                                 self.get_clock().now().to_msg()))
 
@@ -243,10 +260,14 @@ class ControllerNode(Node):
                       zip(self._robot.joints, supervisor.in_force.threshold)}
         if supervisor.detector.collided:
             return ERROR, supervisor.stop_reason, values
+        if supervisor.policy.blind:
+            return WARN, f'{supervisor.policy.blind}; moves keep the rated load\'s limits', values
         return OK, 'no collision', values
 
     def _report_input(self):
         rejected = self._guard.rejected + self._rejected
+        if self._pairing.unpaired:
+            rejected['covariance_without_load'] = self._pairing.unpaired
         values = {f'rejected {reason}': count for reason, count in sorted(rejected.items())}
         if self._guard.last_stamp is None:
             return ERROR, 'no joint states have arrived', values
@@ -257,6 +278,12 @@ class ControllerNode(Node):
         self._send(self._supervisor.stop())
         # Destroyed at once, a publisher may take its last message with it.
         self._trajectory.wait_for_all_acked(Duration(seconds=_LAST_WORDS))
+
+
+def _stamped_vector(message):
+    """Return stamp and vector (10,) of an InertiaStamped."""
+    stamp = message.header.stamp
+    return (stamp.sec, stamp.nanosec), vector_of_inertia(message.inertia)
 
 
 def main(args=None):

@@ -21,7 +21,7 @@ CONTROLLER_PARAMETERS = (
     Parameter('acceleration_rise_time', 0.1, 'time in which an acceleration builds up', 's',
               low=0.02, high=1.0),
     Parameter('sigma', 3.0, 'standard deviations of the load\'s torque added on the safe side',
-              low=0.0, high=10.0),
+              low=1.0, high=10.0),
     Parameter('estimate_timeout', 0.5, 'age of the estimate from which the rated load is taken '
               'instead', 's', low=0.05, high=60.0),
     Parameter('relax_time', 0.5, 'time from the rated load\'s limits to the estimate\'s; the '

@@ -1,0 +1,32 @@
+"""What is shipped for the default robot is there, fits, and is what it says."""
+
+from hand_load_estimator import seeds
+from hand_load_estimator.estimators.build import build_pipeline, shipped_artefact
+from hand_load_estimator.learning.artefact import read_artefact
+from hand_load_estimator.load import MESSAGE_ORDER
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
+
+
+def test_the_default_robot_has_a_model_and_an_artefact_that_fit():
+    pipeline = build_pipeline('ur10e', 'lstm', None, 'ur10e')
+    assert pipeline.method.name == 'lstm'
+
+
+def test_another_effort_kind_of_the_same_joints_has_no_artefact():
+    assert shipped_artefact(load_robot(find_shared('ur10e_current', 'robots'))) is None
+
+
+def test_the_artefact_is_small_and_its_card_tells_recipe_seed_and_scores():
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    folder = shipped_artefact(robot)
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 5e6
+    assert {path.suffix for path in folder.iterdir()} == {'.safetensors', '.json'}
+    card = read_artefact(folder, robot).card
+    assert card['recipe']['seed'] == 1 and card['seeds']['training'] == seeds.TRAINING.start
+    held_out = card['held_out']['coverage_of_95']
+    assert set(held_out) == set(MESSAGE_ORDER)
+    assert all(0.9 <= share <= 0.99 for share in held_out.values())
+    model = read_model(find_shared('ur10e', 'models'))
+    assert card['model_recordings'] == list(model.recordings)
