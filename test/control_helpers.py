@@ -1,6 +1,7 @@
 """A torque model, loads and an arm for the tests of room control/."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -29,6 +30,9 @@ class FakeModel:
     noise = np.array([1.2, 1.2, 0.9, 0.35, 0.35, 0.35])
     coulomb = np.array([9.0, 9.0, 6.0, 2.0, 2.0, 2.0])
     viscous = np.array([12.0, 12.0, 8.0, 2.0, 2.0, 2.0])
+    # Known exactly, and the same at every temperature.
+    uses, mean, covariance = (), np.zeros(60), np.zeros((60, 60))
+    residuals = SimpleNamespace(drift=np.zeros((6, 3)))
 
     def __init__(self, agility=1.0):
         self.robot = load_robot(find_shared('ur10e', 'robots'))
@@ -42,6 +46,10 @@ class FakeModel:
     def load_regressor(self, q, v, a):
         """Return K (n, 10)."""
         return self.robot.load_regressor(q, v, a)
+
+    def slices(self):
+        """Return the effects with their columns: none."""
+        return []
 
 
 def load_vector(mass, com=(0.0, 0.0, 0.1)):

@@ -1,5 +1,7 @@
 """Collision thresholds: follow load and variance, never above the fixed one; detection."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from control_helpers import HOME, PICK, PLACE, WARM, FakeModel, belief, load_vector
@@ -8,8 +10,11 @@ from hand_load_estimator.control.acceleration_limits import MovePlanner
 from hand_load_estimator.control.collision_threshold import (CollisionDetector,
                                                              CollisionThresholds, Thresholds,
                                                              ThresholdSettings)
-from hand_load_estimator.control.load_belief import belief_of_estimate, rated_belief
+from hand_load_estimator.control.load_belief import (LoadBelief, belief_of_estimate,
+                                                     rated_belief)
 from hand_load_estimator.load import products_from_message
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.shared_files import find_shared
 
 MODEL = FakeModel()
 SETTINGS = ThresholdSettings()
@@ -57,6 +62,56 @@ def test_a_resting_joint_may_hold_its_friction():
     rest, _ = CALCULATION.at(HOME, still, still, belief(4.0), WARM)
     moving, _ = CALCULATION.at(HOME, np.full(6, 0.3), still, belief(4.0), WARM)
     assert np.all(rest.threshold - moving.threshold > 1.9 * MODEL.coulomb)
+
+
+def test_an_unknown_temperature_widens_the_threshold_by_its_friction():
+    model = read_model(find_shared('ur10e', 'models'))
+    thresholds, known = CollisionThresholds(model, SETTINGS), belief(4.0)
+    q, v, still = HOME, np.array([1.0, -1.0, 1.0, 1.5, -1.5, 1.5]), np.zeros(6)
+    measured, _ = thresholds.at(q, v, still, known, WARM)
+    blind, _ = thresholds.at(q, v, still, known, np.full(6, np.nan))
+    reference = model.torque(q, v, still, np.full(6, np.nan))
+    cold, warm = (np.abs(model.torque(q, v, still, np.full(6, celsius)) - reference)
+                  for celsius in (-5.0, 55.0))
+    assert np.all(cold > measured.threshold), 'taken for 25 degC, a cold arm would be a collision'
+    assert np.all(cold < blind.threshold) and np.all(warm < blind.threshold)
+    at_rest = [thresholds.at(q, still, still, known, t)[0].threshold for t in (
+        WARM, np.full(6, np.nan))]
+    np.testing.assert_allclose(*at_rest)
+
+
+def test_the_models_own_uncertainty_is_in_the_threshold():
+    model = read_model(find_shared('ur10e', 'models'))
+    exact = replace(model, covariance=np.zeros_like(model.covariance),
+                    residuals=replace(model.residuals, drift=np.zeros((6, 3))))
+    with_doubt, without = (CollisionThresholds(m, SETTINGS).at(
+        HOME, np.full(6, 0.8), np.zeros(6), belief(4.0), WARM)[0].threshold
+        for m in (model, exact))
+    drift = model.residuals.drift @ [1.0, 0.0, 0.8]
+    assert np.all(with_doubt - without > 0.5 * SETTINGS.sigma * drift)
+
+
+@pytest.mark.parametrize('sigma', [0.0, -1.0, np.nan])
+def test_a_sigma_that_bounds_nothing_is_refused(sigma):
+    with pytest.raises(ValueError, match='sigma'):
+        CollisionThresholds(MODEL, ThresholdSettings(sigma=sigma))
+
+
+@pytest.mark.parametrize('value', [np.nan, np.inf])
+def test_an_estimate_that_is_not_finite_leaves_the_fixed_threshold(value):
+    broken = LoadBelief(np.full(10, value), np.full((10, 10), value), 'estimate')
+    with np.errstate(invalid='ignore'):
+        now, fixed = CALCULATION.at(*MOVING, broken, WARM)
+    np.testing.assert_array_equal(now.threshold, fixed)
+    assert np.isfinite(fixed).all() and np.isfinite(now.expected).all()
+
+
+def test_a_threshold_that_is_not_a_number_is_no_permission():
+    detector = CollisionDetector(SETTINGS)
+    for k in range(5):
+        detector.record(0.01 * k, known(np.nan), np.full(6, 99.0))
+        detector.check(0.01 * k, np.zeros(6))
+    assert detector.collided
 
 
 def run(load_belief, vector, push=None, seed=0):
@@ -122,6 +177,14 @@ def test_debounce_latch_and_reset():
         detector.record(k * 0.01, known(5.0), fixed)
         detector.check(k * 0.01, high)
         assert detector.collided == (k * 0.01 > 0.22 + SETTINGS.delay + 0.015)
+
+
+def test_rare_residuals_are_debounced_by_time():
+    detector, settings = CollisionDetector(replace(SETTINGS, debounce=10)), SETTINGS
+    for k in range(6):
+        detector.record(0.1 * k, known(5.0), np.full(6, 99.0))
+        detector.check(0.1 * k, np.full(6, 9.0))
+        assert detector.collided == (0.1 * k > settings.debounce_time - 0.05)
 
 
 def test_nan_and_old_residuals_are_no_collision():

@@ -16,12 +16,15 @@ class Feed:
     def __init__(self):
         self.policy, self.now = LoadPolicy(ROBOT, FallbackSettings(0.5, 0.5, 0.5)), 100.0
 
-    def run(self, seconds, status='DETERMINED', load_id='1', mass=3.0, moving=False):
+    def run(self, seconds, status='DETERMINED', load_id='1', mass=3.0, moving=False,
+            residuals=True):
         for _ in range(round(seconds / 0.01)):
             self.now += 0.01
             if status:
                 self.policy.estimate(self.now, load_vector(mass), covariance_of(0.05))
                 self.policy.status(self.now, status, load_id)
+            if residuals:
+                self.policy.residual(self.now)
             self.policy.update(self.now, moving)
         return self.policy
 
@@ -69,6 +72,17 @@ def test_a_status_without_estimates_is_not_enough():
     assert not feed.policy.trusted
 
 
+def test_without_residual_torques_the_rated_load_counts():
+    feed = Feed()
+    assert not feed.run(1.0, residuals=False).trusted
+    assert feed.policy.blind == 'no residual torque has arrived'
+    assert feed.run(1.0).trusted and not feed.policy.blind
+    assert feed.run(0.15, residuals=False).trusted
+    feed.run(0.1, residuals=False)
+    assert feed.policy.caution == 1.0 and not feed.policy.trusted
+    assert 'residual torque is 0.2' in feed.policy.reason == feed.policy.blind
+
+
 def test_an_expected_change_waits_for_the_estimators_count():
     feed = Feed()
     feed.run(1.0)
@@ -98,6 +112,7 @@ def test_a_clock_that_jumps_back_does_not_trust_the_future():
     (lambda m, c: (m[:9], c), 'estimate_size'), (lambda m, c: (m, c.ravel()), 'estimate_size'),
     (lambda m, c: (m * np.nan, c), 'estimate_not_finite'),
     (lambda m, c: (m, c + np.inf), 'estimate_not_finite'),
-    (lambda m, c: (m, -c), 'covariance_not_positive'), (lambda m, c: (m, c), '')])
+    (lambda m, c: (m, -c), 'covariance_not_positive'), (lambda m, c: (m, c), ''),
+    (lambda m, c: (m - 2.2, c), ''), (lambda m, c: (m - 2.4, c), 'negative_mass')])
 def test_unusable_estimates_are_named(change, why):
     assert usable_estimate(*change(load_vector(2.0), covariance_of(0.1))) == why

@@ -10,6 +10,8 @@ from hand_load_estimator.control.braking import braking_trajectory
 from hand_load_estimator.control.load_belief import belief_of_estimate, rated_belief
 from hand_load_estimator.control.torque_use import TorqueUse
 from hand_load_estimator.load import products_from_message, products_jacobian_of_message
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.shared_files import find_shared
 
 MODEL = FakeModel(agility=3.0)
 ROBOT = MODEL.robot
@@ -164,6 +166,19 @@ def test_speed_scale_holds():
     _, v, _ = slow.points(np.linspace(0.0, slow.duration, 200))
     share = np.max(np.abs(v) / ROBOT.limits.velocity)
     assert share == pytest.approx(0.3, rel=1e-6)
+
+
+def test_a_joint_of_unknown_temperature_may_be_cold_or_warm():
+    model = read_model(find_shared('ur10e', 'models'))
+    unknown, v, still = np.full(6, np.nan), 0.8 * model.robot.limits.velocity, np.zeros(6)
+    certain = belief_of_estimate(load_vector(2.0), np.zeros((10, 10)))
+    blind = TorqueUse(model, certain, 3.0, unknown)
+    for direction in (v, -v):
+        for celsius in (5.0, 45.0):
+            use = TorqueUse(model, certain, 3.0, np.full(6, celsius))
+            assert blind.at(HOME, direction, still) > use.at(HOME, direction, still)
+    assert blind.at(HOME, still, still) == TorqueUse(model, certain, 3.0, WARM).at(
+        HOME, still, still)
 
 
 @pytest.mark.parametrize('mass', [0.0, 5.0, 10.0])

@@ -11,6 +11,8 @@ from hand_load_estimator.control.acceleration_limits import PlanSettings
 from hand_load_estimator.control.pick_place import PHASES
 from hand_load_estimator.control.supervisor import CycleSettings, Supervisor
 from hand_load_estimator.load import products_from_message
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.shared_files import find_shared
 from hand_load_estimator.trajectory import Trajectory
 
 MODEL = FakeModel(agility=3.0)
@@ -21,11 +23,12 @@ TICK = 0.01
 class Cell:
     """Supervisor, fake arm and a fake estimator that is right after a moment of motion."""
 
-    def __init__(self, mass=2.0, start=HOME, **settings):
-        self.supervisor = Supervisor(MODEL, CycleSettings(WAYPOINTS, dwell=0.5, home_dwell=0.2,
+    def __init__(self, mass=2.0, start=HOME, model=MODEL, waypoints=WAYPOINTS, **settings):
+        self.supervisor = Supervisor(model, CycleSettings(waypoints, dwell=0.5, home_dwell=0.2,
                                                           **settings))
-        self.arm, self.now, self.mass = FakeArm(MODEL, start), 50.0, mass
+        self.arm, self.now, self.mass = FakeArm(model, start), 50.0, mass
         self.estimating, self.hearing, self.ready = True, True, True
+        self.residuals, self.velocities, self.sent = True, True, []
         self.phases, self.limits = [], {}
         self._load_id, self._moved = 0, 0.0
         self._residuals = [self.arm.residual(self.now)] * 3
@@ -42,19 +45,21 @@ class Cell:
         self._grip()
         q, v, _ = self.arm.state(self.now)
         if self.hearing:
-            self.supervisor.measured(self.now, q, v)
+            self.supervisor.measured(self.now, q, v if self.velocities else np.full(6, np.nan))
             # Late by the estimator's filter.
-            self.supervisor.residual(self.now, self._residuals[-1])
+            if self.residuals:
+                self.supervisor.residual(self.now, self._residuals[-1])
             self._residuals = [self.arm.residual(self.now), *self._residuals[:-1]]
         if self.estimating:
             self._estimate()
         trajectory = self.supervisor.tick(self.now, self.ready)
+        if trajectory is not None:
+            self.sent.append((trajectory, self.arm.state(self.now)))
         if trajectory is not None and self.ready:
             self.arm.take(trajectory, self.now)
         if not self.phases or self.phases[-1] != self.supervisor.phase:
             self.phases.append(self.supervisor.phase)
-        if self.supervisor.limits is not None:
-            self.limits[self.supervisor.phase] = self.supervisor.limits
+        self.limits[self.supervisor.phase] = self.supervisor.limits
 
     def _grip(self):
         held = self.arm.load[0] > 0.0
@@ -150,6 +155,93 @@ def test_joint_states_that_stop_while_moving_stop_the_arm():
     assert 'joint states have stopped' in cell.supervisor.stop_reason
 
 
+ASIDE = np.array([1.7, 0.0, 0.0, 0.0, 0.0, 0.0])
+WIDE = {'home': HOME, 'pick': HOME + ASIDE, 'place': HOME - ASIDE}
+
+
+def full_speed():
+    """Return a Cell whose arm is at its fastest between pick and place."""
+    cell = Cell(waypoints=WIDE)
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'carrying'
+                    and np.max(np.abs(c.arm.state(c.now)[1])) > 1.8)
+    return cell
+
+
+@pytest.mark.parametrize('silence', [0.06, 0.2, 0.35, 5.0])
+def test_joint_states_that_stop_at_full_speed_give_no_jump(silence):
+    cell = full_speed()
+    sent, begin = len(cell.sent), cell.arm.state(cell.now)[0]
+    cell.hearing = False
+    cell.run(min(silence, 0.6))
+    # Far enough for a check against the last measurement to fail.
+    assert silence < 0.2 or np.max(np.abs(cell.arm.state(cell.now)[0] - begin)) > 0.25
+    assert (cell.supervisor.phase == 'stopped') == (silence > 0.5)
+    if silence > 0.5:
+        assert len(cell.sent) == sent + 1
+        brake, (q, v, _) = cell.sent[-1]
+        assert np.max(np.abs(v)) > 1.8, 'the test is about a fast arm'
+        np.testing.assert_allclose(brake.position[0], q, atol=1e-6)
+        np.testing.assert_allclose(brake.velocity[0], v, atol=1e-6)
+        assert not brake.velocity[-1].any()
+    cell.hearing = True
+    cell.run(2.0)
+    assert cell.supervisor.counts['off_path'] == 0
+    if silence > 0.5:
+        assert cell.supervisor.phase == 'stopped', 'only a reset goes on'
+        cell.supervisor.reset()
+        assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+
+
+def test_a_collision_noticed_by_old_joint_states_brakes_from_the_reference():
+    cell = full_speed()
+    cell.hearing = False
+    cell.run(0.2)
+    cell.supervisor.detector.collided = True
+    cell.supervisor.detector.what = (np.array([1]), np.full(6, 9.0), np.full(6, 5.0))
+    cell.run(0.02)
+    brake, (q, _, _) = cell.sent[-1]
+    assert cell.supervisor.phase == 'stopped'
+    np.testing.assert_allclose(brake.position[0], q, atol=1e-6)
+
+
+def test_joint_states_without_velocities_brake_at_the_references_speed():
+    cell = full_speed()
+    cell.velocities = False
+    cell.run(0.02)
+    brake = cell.supervisor.stop()
+    np.testing.assert_allclose(brake.velocity[0], cell.arm.state(cell.now)[1], atol=1e-6)
+    assert np.max(np.abs(brake.velocity[0])) > 0.5
+
+
+def test_limits_are_known_before_the_first_move_and_fall_back_with_the_load():
+    cell = Cell(mass=1.0)
+    rated, robot = cell.supervisor.limits, MODEL.robot
+    assert np.all(rated.acceleration > 0.0)
+    assert np.all(rated.deceleration < 0.9 * robot.limits.acceleration)
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'carrying'
+                    and c.supervisor.policy.trusted and c.supervisor.move.basis == 'estimate')
+    light = cell.supervisor.limits
+    assert light is not rated and np.all(light.deceleration > rated.deceleration)
+    cell.supervisor.policy.status(cell.now, 'STALE_INPUT', '1')
+    assert cell.supervisor.limits is rated
+    cell.run(0.02)
+    assert cell.supervisor.limits is not rated
+
+
+def test_without_residual_torques_moves_keep_the_rated_limits():
+    cell, seeing = Cell(mass=1.0), Cell(mass=1.0)
+    cell.residuals = False
+    seconds = {}
+    for each in (cell, seeing):
+        assert each.run(40.0, lambda c: c.supervisor.phase == 'carrying')
+        begin = each.now
+        assert each.run(20.0, lambda c: c.supervisor.phase == 'at_place')
+        seconds[each] = each.now - begin
+    assert cell.supervisor.move.basis == 'rated' and cell.supervisor.policy.blind
+    assert not seeing.supervisor.policy.blind
+    assert seconds[cell] > seconds[seeing] + 0.1
+
+
 def test_nothing_moves_before_joint_states_and_a_listener():
     cell = Cell()
     cell.hearing = cell.ready = False
@@ -205,11 +297,23 @@ def test_picking_a_load_up_is_no_collision():
         assert cell.run(60.0, lambda c: c.supervisor.phase == 'done'), cell.supervisor.stop_reason
 
 
+SHIPPED = read_model(find_shared('ur10e', 'models'))
+
+
+@pytest.mark.parametrize('celsius', [-5.0, 55.0])
 @pytest.mark.parametrize('missing', [True, False])
-def test_temperatures_may_be_missing(missing):
-    cell = Cell()
-    cell.supervisor.temperature[:] = np.nan if missing else 40.0
-    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+def test_a_cold_or_warm_arm_is_no_collision_even_when_its_temperature_is_unknown(missing, celsius):
+    cell, warmth = Cell(model=SHIPPED), np.full(6, celsius)
+    told = np.full(6, np.nan) if missing else warmth
+    cell.supervisor.temperature[:] = told
+    exact = cell.arm.residual
+
+    def residual(now):
+        state = cell.arm.state(now)
+        return exact(now) + SHIPPED.torque(*state, warmth) - SHIPPED.torque(*state, told)
+
+    cell.arm.residual = residual
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done'), cell.supervisor.stop_reason
 
 
 def test_settings_are_used():

@@ -19,6 +19,7 @@ from hand_load_estimator.model_file import write_model
 from hand_load_estimator.nodes.controller_messages import limits_message, trajectory_message
 from hand_load_estimator.nodes.estimate_messages import (covariance_message, inertia_message,
                                                          residual_message)
+from hand_load_estimator.nodes.load_pairing import LoadPairing
 from hand_load_estimator.nodes.qos import LATCHED, OUTPUT, measurement
 from hand_load_estimator.trajectory import Trajectory
 
@@ -41,9 +42,12 @@ class Robot:
 
     def __init__(self, node, prefix=''):
         self._node, self.arm, self.refused = node, FakeArm(MODEL, HOME), []
+        self.residuals = True
         self.arm.load, self.order = products_from_message(load_vector(MASS)), list(range(6))
         self._states = node.create_publisher(JointState, f'{prefix}joint_states', OUTPUT)
         self._load = node.create_publisher(InertiaStamped, f'{prefix}estimator/load', OUTPUT)
+        self._variance = node.create_publisher(InertiaStamped, f'{prefix}estimator/load_variance',
+                                               OUTPUT)
         self._covariance = node.create_publisher(
             Float64MultiArray, f'{prefix}estimator/load_covariance', OUTPUT)
         self._status = node.create_publisher(DiagnosticStatus, f'{prefix}estimator/status',
@@ -81,11 +85,14 @@ class Robot:
         message.header.stamp = stamp
         self._states.publish(message)
         self._load.publish(inertia_message(load_vector(MASS), stamp, 'tool0'))
-        self._covariance.publish(covariance_message(covariance_of(0.05)))
+        covariance = covariance_of(0.05)
+        self._variance.publish(inertia_message(np.diag(covariance), stamp, 'tool0'))
+        self._covariance.publish(covariance_message(covariance))
         self._status.publish(DiagnosticStatus(message='DETERMINED', values=[
             KeyValue(key='load_id', value='1')]))
-        self._residual.publish(residual_message(
-            JOINTS, self.arm.residual(self.now()), stamp))
+        if self.residuals:
+            self._residual.publish(residual_message(
+                JOINTS, self.arm.residual(self.now()), stamp))
 
 
 def listening(listener, prefix=''):
@@ -114,6 +121,7 @@ def test_a_cycle_from_a_late_robot_to_done_and_a_clean_end(listener, start, mode
     process = start('controller', *arguments(model_file))
     heard = listening(listener)
     listener.until(lambda: phases(heard) == ['home'], what='the first phase')
+    listener.until(lambda: heard.limits, what='the limits before the first move')
     listener.spin(0.5)
     robot = Robot(listener.node)
     robot.order = [3, 1, 0, 2, 5, 4]
@@ -212,11 +220,56 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
     assert 'done' in said['cell/controller: motion'].message
 
 
+def test_missing_residual_torques_are_said(listener, start, model_file):
+    start('controller', *arguments(model_file, speed_scale=0.1))
+    heard = listening(listener)
+    robot = Robot(listener.node)
+    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+
+    def collision():
+        return [(status.level, status.message) for message in heard.diagnostics
+                for status in message.status if status.name == 'controller: collision'][-1]
+
+    listener.spin(1.2)
+    assert collision() == (DiagnosticStatus.OK, 'no collision')
+    robot.residuals = False
+    listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 3.0, 'the warning')
+    assert 'no collision would be noticed' in collision()[1]
+
+
+def test_mean_and_covariance_of_one_estimate_are_paired_in_any_order():
+    rng = np.random.default_rng(8)
+    estimates = [(k, rng.normal(size=10), covariance_of(0.1 + 0.01 * k)) for k in range(6)]
+    for order in range(20):
+        pairing, found = LoadPairing(), []
+        rng.shuffle(kinds := ['mean', 'variance', 'covariance'])
+        for kind in kinds:
+            for stamp, mean, covariance in estimates:
+                pair = pairing.covariance(covariance) if kind == 'covariance' else getattr(
+                    pairing, kind)(stamp, mean if kind == 'mean' else np.diag(covariance))
+                found += [pair] if pair else []
+        assert found, order
+        for mean, covariance in found:
+            assert any(mean is m and covariance is c or np.array_equal(mean, m)
+                       and np.array_equal(covariance, c) for _, m, c in estimates)
+
+
+def test_a_covariance_of_another_estimate_is_not_taken():
+    pairing = LoadPairing()
+    assert pairing.mean((1, 0), load_vector(2.0)) is None
+    assert pairing.variance((1, 0), np.diag(covariance_of(0.1))) is None
+    assert pairing.covariance(covariance_of(0.1001)) is None
+    mean, covariance = pairing.covariance(covariance_of(0.1))
+    assert mean[0] == 2.0 and covariance[0, 0] == pytest.approx(0.01)
+    assert pairing.unpaired == 1
+    assert pairing.covariance(covariance_of(0.1)) is None, 'each mean is used once'
+
+
 @pytest.mark.parametrize('parameters, said', [
     ({'model': '/nowhere.yaml'}, 'neither a path nor a shipped file'),
     ({'home': '[0.0,0.0]'}, '6 joint positions'),
     ({'pick': '[9.0,0.0,0.0,0.0,0.0,0.0]'}, 'outside the joint limits'),
-    ({'speed_scale': 0.0}, 'speed_scale')])
+    ({'sigma': 0.0}, 'sigma'), ({'speed_scale': 0.0}, 'speed_scale')])
 def test_wrong_parameters_end_with_a_sentence(start, model_file, parameters, said):
     process = start('controller', *arguments(model_file, **parameters))
     assert process.wait() == 2

@@ -20,11 +20,11 @@ class ThresholdSettings:
     Where a torque begins to be a collision.
 
     margin: times the torque model's noise; sigma > 0: standard deviations of the load's torque
-    and of the torque model's;
-    inertia_share: part of the accelerating torque that model, load and timing may be wrong by;
-    slow [rad/s]: below it the direction of friction is not known; debounce: residuals in a row,
-    or at most debounce_time [s] of them; delay [s]: how much later than the motion the residual torque shows it (estimator's filter,
-    message); relax_time [s]: time constant of a falling threshold.
+    and of the torque model's; inertia_share: part of the accelerating torque that model, load
+    and timing may be wrong by; slow [rad/s]: below it the direction of friction is not known;
+    debounce: residuals in a row, or debounce_time [s] of them if that is shorter; delay [s]: how
+    much later than the motion the residual torque shows it (estimator's filter, message);
+    relax_time [s]: time constant of a falling threshold.
     """
 
     margin: float = 6.0

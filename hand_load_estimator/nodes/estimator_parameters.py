@@ -10,8 +10,8 @@ ESTIMATOR_PARAMETERS = (
               'the shipped model named like the robot'),
     Parameter('method', 'lstm', 'estimator; a robot without a learned artefact uses bayes',
               choices=METHODS),
-    Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one named like '
-              'the robot'),
+    Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one for the '
+              'robot\'s joints and effort kind, if any'),
     Parameter('publish_rate', 50.0, 'highest rate of the load topics', 'Hz', low=1.0,
               high=1000.0, read_only=False),
     Parameter('marker_rate', 10.0, 'rate of the markers; 0: none', 'Hz', low=0.0, high=100.0,
