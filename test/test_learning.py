@@ -7,7 +7,7 @@ import torch
 
 from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.learning.calibration import calibrate, CHUNKS, held_out_scores
+from hand_load_estimator.learning.calibration import calibrate, held_out_scores, TOLD
 from hand_load_estimator.learning.features import feature_count, features
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers, divergence, JUDGED, LABEL_STD
@@ -122,14 +122,14 @@ def test_features_count_and_missing_temperatures():
     robot, n = four_axes(), 4
     one, ten = np.ones(n), np.full(10, 0.5)
     arguments = [robot.limits, (one, one), (one, one, one), one, (one, one, one), one,
-                 (one, one, one), ten, np.array(0.02)]
+                 (one, one, one), ten]
     full = features(*arguments)
     assert full.shape == (n, feature_count(n)) and np.isfinite(full).all()
     arguments[3] = np.full(n, np.nan)
     blind = features(*arguments)
     # Every joint misses its own temperature and is told that there is none.
     assert np.isfinite(blind).all() and np.count_nonzero(full != blind) == 2 * n
-    assert (full[:, -2] == 1.0).all() and (blind[:, -2] == 0.0).all() and (full[:, -1] == 0).all()
+    assert (full[:, -1] == 1.0).all() and (blind[:, -1] == 0.0).all()
     arguments[4] = (one, 50.0 * one, 1e9 * one)
     np.testing.assert_array_less(np.abs(features(*arguments)), 2.01)
 
@@ -236,6 +236,6 @@ def test_calibration_makes_95_percent_95_percent(model, tmp_path):
     np.testing.assert_allclose(coverage, 0.95, atol=0.01)
     for narrow in (held_out_scores(network, 0.2 * factors, paths, prior),):
         assert max(narrow['coverage_of_95'].values()) < 0.9
-    assert set(own['mass_rmse_kg_lstm']) == {f'{(k + 1) / 10:g} s' for k in CHUNKS}
+    assert set(own['mass_rmse_kg_lstm']) == {f'{(k + 1) / 10:g} s' for k in TOLD}
     # A network that does nothing has the scores of none.
     assert own['mass_rmse_kg_lstm'] == own['mass_rmse_kg_without_network']
