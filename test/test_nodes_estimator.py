@@ -95,7 +95,8 @@ def test_every_topic_keeps_the_contract(estimator, feeder, listener):
     assert list(heard['residual_torque'][-1].name) == list(feeder.joints)
     assert np.isfinite(heard['residual_torque'][-1].effort).all()
     assert {m.id for m in heard['markers'][-1].markers} == {0, 1, 2, 3}
-    assert set(estimator.values()) == {'determined', 'age', 'reason', 'load_id', 'method'}
+    assert set(estimator.values()) == {'determined', 'age', 'reason', 'load_id', 'method',
+                                       'tared mass [kg]'}
     assert estimator.values()['method'] == 'bayes'
     assert {m.message for m in heard['status']} <= set(STATUSES)
     mass, std = estimator.mass()
@@ -110,6 +111,7 @@ def test_silence_is_told_and_forgiven(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     feeder.play(samples[:250])
     listener.until(lambda: estimator.status() == 'STALE_INPUT', 10.0, 'STALE_INPUT')
+    listener.spin(0.2)
     count = len(estimator.heard['load'])
     listener.spin(0.3)
     assert len(estimator.heard['load']) == count, 'nothing new is published without input'
@@ -213,9 +215,12 @@ def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     feeder.play(samples)
     listener.spin(0.3)
     assert abs(estimator.mass()[0]) < 0.3
+    assert float(estimator.values()['tared mass [kg]']) == pytest.approx(before, abs=0.1)
+    assert estimator.values()['determined'].startswith('1')
     answer = listener.call(Trigger, 'estimator/reset', Trigger.Request())
     assert answer.success and answer.message
-    listener.until(lambda: estimator.status() == 'NO_DATA', 5.0, 'the empty estimate')
+    listener.until(lambda: estimator.values()['determined'].startswith('0'), 5.0,
+                   'an estimate that knows nothing')
 
 
 def test_namespace_and_remapping(start, listener):

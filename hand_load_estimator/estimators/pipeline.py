@@ -81,13 +81,11 @@ class Pipeline:
         last = self._stream.last_stamp
         if last is None:
             return self._say(now, self.method.belief(), 'NO_DATA', 'no joint states yet')
-        if self._estimate is None:
-            return self._labelled(last, self.method.belief())
+        belief = self.method.belief()
         if now - last > self._stale_after:
-            belief = self.method.belief()
             return self._say(last, belief, 'STALE_INPUT',
                              f'no usable joint state for {now - last:.2f} s')
-        return self._estimate
+        return self._estimate or self._labelled(last, belief)
 
     def reset(self):
         """Forget the load."""
