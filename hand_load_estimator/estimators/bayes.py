@@ -15,8 +15,8 @@ class Bayes:
     def __init__(self, model, uncertainties):
         robot = model.robot
         self._regression = LoadRegression(load_prior(robot), robot.n, uncertainties,
-                                          robot.effort.torque_constants_std,
-                                          RestWatch(model.friction_level(), model.noise))
+                                          robot.effort.torque_constants_std)
+        self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._known = self._regression.known()
 
@@ -45,8 +45,10 @@ class Bayes:
         columns = joined_columns(prediction)
         innovation, spread, _ = innovation_of(prediction, columns, self._known,
                                               self._regression.posterior)
-        self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         changes = self.changes
+        if self._rest.update(sample, innovation, spread):
+            self._regression.begin_anew(sample.stamp)
+        self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
         if self.changes > changes:

@@ -11,7 +11,6 @@ mass has a place and a size; a few Gauss-Newton steps join it to the data.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from ..load import (message_from_shape, message_jacobian_of_shape, products_from_shape,
                     products_jacobian_of_shape)
@@ -74,9 +73,8 @@ class Information:
         matrix, vector = self.matrix, self.vector
         if len(vector) == 10:
             return matrix, vector
-        inner = cho_factor(matrix[10:, 10:] + np.eye(len(vector) - 10), check_finite=False)
-        cross = cho_solve(inner, np.column_stack([matrix[10:, :10], vector[10:]]),
-                          check_finite=False)
+        cross = np.linalg.solve(matrix[10:, 10:] + np.eye(len(vector) - 10),
+                                np.column_stack([matrix[10:, :10], vector[10:]]))
         share = matrix[:10, :10] - matrix[:10, 10:] @ cross[:, :10]
         return 0.5 * (share + share.T), vector[:10] - matrix[:10, 10:] @ cross[:, 10]
 
@@ -100,7 +98,7 @@ def shape_posterior(matrix, vector, prior, start):
 
     matrix, vector: information about the products; prior: LoadPrior; start: shape to begin at.
     """
-    precision = prior.std ** -2.0
+    precision, scale = prior.std ** -2.0, np.outer(prior.std, prior.std)
     shape = start
     for _ in range(STEPS):
         jacobian = products_jacobian_of_shape(shape)
@@ -109,10 +107,9 @@ def shape_posterior(matrix, vector, prior, start):
         hessian = jacobian.T @ matrix @ jacobian
         hessian[np.diag_indices(10)] += precision
         # Conditioning: unit prior in every direction.
-        scaled = hessian * np.outer(prior.std, prior.std)
-        factor = cho_factor(scaled, check_finite=False)
-        shape = shape + prior.std * cho_solve(factor, prior.std * gradient, check_finite=False)
-    covariance = cho_solve(factor, np.diag(prior.std), check_finite=False) * prior.std[:, None]
+        inverse = np.linalg.inv(hessian * scale)
+        shape = shape + prior.std * (inverse @ (prior.std * gradient))
+    covariance = inverse * scale
     return shape, 0.5 * (covariance + covariance.T)
 
 

@@ -63,9 +63,9 @@ class Lstm:
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
-        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                     rest_watch=RestWatch(model.friction_level(), model.noise))
-        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties)
+        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties)
+        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, watch=False)
+        self._rest = RestWatch(model.friction_level(), model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
@@ -97,6 +97,11 @@ class Lstm:
         """Take one sample; return the Belief after it."""
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
+        if self._rest.update(sample, load[0], load[1]):
+            self._plain.begin_anew(sample.stamp)
+            self._learned.forget()
+            self._restart()
+            load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
         correction, gain, self._shift, self._spread = self._cell.step(
             self._features(sample, prediction, load))
@@ -139,6 +144,7 @@ class Lstm:
     def _restart(self):
         self._cell.restart()
         self._watch.clear()
+        self._rest.restart()
         self._count = 0
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._renew()

@@ -20,28 +20,23 @@ class LoadRegression:
     Hold the information about the load, give posteriors, notice load changes.
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
-    standard deviation of the torque constants; rest_watch: RestWatch, or None for a follower that
-    is told of load changes. changes counts load changes; last_change is the
+    standard deviation of the torque constants; watch: look for load changes in motion.
+    changes counts load changes; last_change is the
     stamp of the newest, or None.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, rest_watch=None):
-        self._prior, self._gain_doubt, self._rest_watch = prior, gain_doubt, rest_watch
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
+        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change = 0, None
+        self.changes, self.last_change, self._turn = 0, None, 0
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
         """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
         moved = sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
         difference = difference - columns[:, :10] @ self._zero
-        ended = self._recent.add(columns, difference, weights, moved)
-        if self._rest_watch is None:
-            return
-        if self._rest_watch.update(sample, difference):
-            self._begin_anew(sample.stamp)
-        elif ended:
+        if self._recent.add(columns, difference, weights, moved) and self._watch:
             self._look_for_change(sample.stamp)
 
     def update_posterior(self):
@@ -61,8 +56,6 @@ class LoadRegression:
 
     def forget(self):
         """Forget the load."""
-        if self._rest_watch is not None:
-            self._rest_watch.restart()
         self._recent.clear()
         self._start = self._prior.mean
         self.posterior = self._solve()
@@ -89,18 +82,19 @@ class LoadRegression:
                             self._tare)
 
     def _look_for_change(self, stamp):
-        for count in WINDOWS:
-            split = self._recent.split(count)
-            if split is None:
-                continue
-            older, recent = split
-            mean, covariance = self._older_belief(older)
-            if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
-                # Nobody knows since when: a change is seen while the window still holds old data.
-                self._begin_anew(stamp)
-                return
+        # The windows take turns, which halves the longest time a sample takes.
+        self._turn = (self._turn + 1) % len(WINDOWS)
+        split = self._recent.split(WINDOWS[self._turn])
+        if split is None:
+            return
+        older, recent = split
+        mean, covariance = self._older_belief(older)
+        if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
+            # Nobody knows since when: a change is seen while the window still holds old data.
+            self.begin_anew(stamp)
 
-    def _begin_anew(self, stamp):
+    def begin_anew(self, stamp):
+        """Forget the load because another is held since about `stamp` [s]."""
         self.forget()
         self.changes += 1
         self.last_change = stamp
