@@ -14,7 +14,7 @@ import numpy as np
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .presliding import stuck_density
-from .torque_model import (EffectUse, Residuals, TorqueModel, effect_columns, effect_slices,
+from .torque_model import (ColumnLayout, EffectUse, Residuals, TorqueModel, effect_slices,
                            motion_input, parameter_count, presliding_distances, real_torque,
                            torque_columns)
 
@@ -89,8 +89,9 @@ class _System:
 
     def __init__(self, robot, uses, evidence):
         distance = presliding_distances(robot.n, uses)
+        layout = ColumnLayout(robot.n, uses)
         inputs = [motion_input(robot, e.motion, distance) for e in evidence]
-        self.columns = np.concatenate([torque_columns(robot, uses, x) for x, _ in inputs])
+        self.columns = np.concatenate([torque_columns(robot, layout, x) for x, _ in inputs])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
         self.dt = np.concatenate([e.motion.dt for e in evidence])

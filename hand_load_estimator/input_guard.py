@@ -10,7 +10,7 @@ RESTART_AFTER = 0.5
 SPEED_MARGIN = 5.0
 EFFORT_MARGIN = 3.0
 # Closer stamps [s] than any joint state has are one stamp written twice.
-SHORTEST_STEP = 5e-5
+SHORTEST_STEP = 1e-6
 
 
 class InputGuard:

@@ -7,6 +7,7 @@ effects' parameters, joint by joint. The same columns serve identification (eq. 
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -86,6 +87,11 @@ class TorqueModel:
                 stribeck[use.joint] = self.mean[columns.start]
         return np.maximum(np.abs(coulomb), np.abs(coulomb + stribeck))
 
+    @cached_property
+    def layout(self):
+        """The ColumnLayout of x."""
+        return ColumnLayout(self.robot.n, self.uses)
+
     def slices(self):
         """Return (EffectUse, slice of x) pairs."""
         return effect_slices(self.robot.n, self.uses)
@@ -99,7 +105,7 @@ class TorqueModel:
         sign = np.sign(v)
         warmth = self._warmth(temperature)
         x = EffectInput(*(s[None] for s in (q, v, a, warmth, sign)))
-        return torque_columns(self.robot, self.uses, x)[0] @ self.mean
+        return torque_columns(self.robot, self.layout, x)[0] @ self.mean
 
     def load_regressor(self, q, v, a):
         """Return K (n, 10) in the load frame (eq. 10)."""
@@ -145,14 +151,37 @@ def effect_columns(x, use):
     return use.effect.columns(x, use.joint, use.shape)
 
 
-def torque_columns(robot, uses, x):
-    """Return Y (N, n, P) for an EffectInput."""
+class ColumnLayout:
+    """
+    Where the columns of declared effects stand in Y, joints of one effect taken together.
+
+    size: P, the length of x.
+    """
+
+    def __init__(self, n, uses):
+        self.size = parameter_count(n, uses)
+        pairs = effect_slices(n, uses)
+        self._groups = []
+        for name in dict.fromkeys(use.name for use in uses):
+            own = [(use, where) for use, where in pairs if use.name == name]
+            joints = np.array([use.joint for use, _ in own])
+            shape = {s: np.array([use.shape[s] for use, _ in own]) for s in own[0][0].shape}
+            places = np.array([range(where.start, where.stop) for _, where in own])
+            self._groups.append((EFFECTS[name], joints, shape, places))
+
+    def fill(self, columns, x):
+        """Write the effects' columns into columns (N, n, P)."""
+        for effect, joints, shape, places in self._groups:
+            columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
+
+
+def torque_columns(robot, layout, x):
+    """Return Y (N, n, P) for a ColumnLayout and an EffectInput."""
     count, n = x.q.shape
-    columns = np.zeros((count, n, parameter_count(n, uses)))
+    columns = np.zeros((count, n, layout.size))
     for k in range(count):
         columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
-    for use, where in effect_slices(n, uses):
-        columns[:, use.joint, where] = effect_columns(x, use)
+    layout.fill(columns, x)
     return columns
 
 
@@ -205,6 +234,7 @@ class ModelFollower:
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
+        self._known = self._drift = None
 
     @property
     def uncertainties(self):
@@ -221,10 +251,12 @@ class ModelFollower:
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
             sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
-        columns = torque_columns(robot, self.model.uses, x)
+        columns = torque_columns(robot, self.model.layout, x)
         difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
-        drift = drift_std(self.model, np.isfinite(sample.temperature))
-        nuisances = nuisance_columns(columns, self._uncertain, drift, x)[0]
+        known = np.isfinite(sample.temperature)
+        if self._known is None or (known != self._known).any():
+            self._known, self._drift = known, drift_std(self.model, known)
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
         stuck = stuck_variance(z, doubt, sample.v, self._friction)
         density = self.model.residuals.intensity + 2.0 * STUCK_TIME * stuck
         return Prediction(difference, robot.load_columns(columns[0, :, :10 * robot.n]),
@@ -283,7 +315,7 @@ def uncertain_directions(model, directions, seed):
     values, vectors = np.linalg.eigh(model.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     weight = 1.0 / np.sqrt(model.residuals.intensity)
-    effect = torque_columns(robot, model.uses, x) @ root
+    effect = torque_columns(robot, model.layout, x) @ root
     rows = (effect * weight[None, :, None]).reshape(count * n, -1)
     _, axes = np.linalg.eigh(rows.T @ rows)
     return root @ axes[:, ::-1][:, :directions]

@@ -9,6 +9,7 @@ import pinocchio as pin
 from hand_load_estimator.control.load_belief import belief_of_estimate
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.torque_model import ColumnLayout
 from hand_load_estimator.trajectory import Trajectory
 
 HOME = np.array([0.0, -1.8, 2.5, -2.27, -1.57, 0.0])
@@ -32,6 +33,7 @@ class FakeModel:
     viscous = np.array([12.0, 12.0, 8.0, 2.0, 2.0, 2.0])
     # Known exactly, and the same at every temperature.
     uses, mean, covariance = (), np.zeros(60), np.zeros((60, 60))
+    layout = ColumnLayout(6, ())
     residuals = SimpleNamespace(drift=np.zeros((6, 3)))
 
     def __init__(self, agility=1.0):

@@ -123,7 +123,7 @@ def torque_of(model, q, v, a, dt, temperature, loads):
     robot = model.robot
     z, _ = presliding_path(q, v, np.full(len(q), dt), model.presliding_distance())
     x = EffectInput(q, v, a, warmth_of(robot, np.full(q.shape, temperature)), z)
-    columns = torque_columns(robot, model.uses, x)
+    columns = torque_columns(robot, model.layout, x)
     torque = columns @ model.mean
     ends = [first for first, _ in loads[1:]] + [len(q)]
     for (first, load), end in zip(loads, ends):

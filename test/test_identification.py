@@ -14,8 +14,8 @@ from hand_load_estimator.load_file import write_load_file
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import JointSample, Recording, RecordingWriter
-from hand_load_estimator.torque_model import (effect_slices, EffectUse, motion_input,
-                                              parameter_count, torque_columns)
+from hand_load_estimator.torque_model import (ColumnLayout, effect_slices, EffectUse,
+                                              motion_input, parameter_count, torque_columns)
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
@@ -58,7 +58,8 @@ class Made:
         for k in range(recordings):
             # Each temperature twice: leaving one recording out must not extrapolate.
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
-            columns = torque_columns(robot, self.uses, motion_input(robot, motion, distance)[0])
+            layout = ColumnLayout(robot.n, self.uses)
+            columns = torque_columns(robot, layout, motion_input(robot, motion, distance)[0])
             noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
             self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))
 
@@ -94,7 +95,7 @@ def test_stated_deviations_are_small_where_it_matters(made, found):
             assert std[where.start] < 0.2 * 0.04 * made.robot.limits.torque[use.joint]
     rng, n = np.random.default_rng(5), made.robot.n
     q, v, a = rng.uniform(-1, 1, (3, 200, n))
-    columns = torque_columns(made.robot, found.uses, EffectInput(
+    columns = torque_columns(made.robot, found.layout, EffectInput(
         q, v, a, np.zeros_like(q), np.sign(v)))
     off = columns @ (found.mean - made.x)
     stated = np.sqrt(np.einsum('knp,pq,knq->kn', columns, found.covariance, columns))

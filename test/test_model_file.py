@@ -43,7 +43,7 @@ def written(tmp_path, content):
 def columns_of(model, count=50):
     """Return Y (count, n, P) at random motions."""
     rng, shape = np.random.default_rng(2), (50, model.robot.n)
-    return torque_columns(model.robot, model.uses, EffectInput(
+    return torque_columns(model.robot, model.layout, EffectInput(
         rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
         rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape)))
 

@@ -22,7 +22,7 @@ class ModelDoubt:
         direction = np.where(v < 0.0, -1.0, 1.0)
         x = EffectInput(*(s[None] for s in (q, v, a, warmth_of(model.robot, temperature),
                                             direction)))
-        columns = nuisance_columns(torque_columns(model.robot, model.uses, x), self._uncertain,
+        columns = nuisance_columns(torque_columns(model.robot, model.layout, x), self._uncertain,
                                    drift_std(model, np.isfinite(temperature)), x)
         return np.sqrt((columns[0] ** 2).sum(axis=1))
 

@@ -6,11 +6,11 @@ from .effect import Effect
 
 
 def _acceleration(x, j, _):
-    return x.a[:, j][:, None]
+    return x.a[:, j][..., None]
 
 
 def _constant(x, j, _):
-    return np.ones((len(x.q), 1))
+    return np.ones_like(x.q[:, j])[..., None]
 
 
 ROTOR = Effect(

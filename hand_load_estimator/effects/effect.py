@@ -39,7 +39,7 @@ class Effect:
 
     parameters: (name, unit) each; prior_std: the same number of fractions of the joint's
     maximum torque, per unit; columns(x, j, shape) -> (N, k) for joint j, where shape maps names
-    of `shapes` to values. in_link_torque: whether a sensor behind the gear sees it.
+    of `shapes` to values; for an array of m joints and arrays of values, (N, m, k). in_link_torque: whether a sensor behind the gear sees it.
     """
 
     name: str

@@ -14,34 +14,34 @@ def sign_of(v):
 
 
 def _coulomb(x, j, _):
-    return sign_of(x.v[:, j])[:, None]
+    return sign_of(x.v[:, j])[..., None]
 
 
 def _viscous(x, j, _):
-    return x.v[:, j][:, None]
+    return x.v[:, j][..., None]
 
 
 def _asymmetry(x, j, _):
-    return np.abs(x.v[:, j])[:, None]
+    return np.abs(x.v[:, j])[..., None]
 
 
 def _stribeck(x, j, shape):
     v = x.v[:, j]
     bump = sign_of(v) * np.exp(-np.abs(v) / shape['stribeck_velocity'])
-    return np.stack([bump, bump * x.warmth[:, j]], axis=1)
+    return np.stack([bump, bump * x.warmth[:, j]], axis=-1)
 
 
 def _presliding(x, j, _):
-    return (x.z[:, j] - sign_of(x.v[:, j]))[:, None]
+    return (x.z[:, j] - sign_of(x.v[:, j]))[..., None]
 
 
 def _viscous_temperature(x, j, _):
     v, warmth = x.v[:, j], x.warmth[:, j]
-    return np.stack([v * warmth, v * warmth ** 2], axis=1)
+    return np.stack([v * warmth, v * warmth ** 2], axis=-1)
 
 
 def _coulomb_temperature(x, j, _):
-    return (sign_of(x.v[:, j]) * x.warmth[:, j])[:, None]
+    return (sign_of(x.v[:, j]) * x.warmth[:, j])[..., None]
 
 
 COULOMB = Effect(

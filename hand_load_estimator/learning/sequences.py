@@ -80,7 +80,7 @@ class SequenceMaker:
                                    model.presliding_distance())
         warmth, measured = _warmths(rng, model, len(q))
         x = EffectInput(q, v, a, np.nan_to_num(measured), z)
-        columns = torque_columns(robot, model.uses, x)
+        columns = torque_columns(robot, model.layout, x)
         load = random_load(rng, robot)
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
