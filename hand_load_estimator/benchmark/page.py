@@ -64,7 +64,7 @@ def markdown(scores, overview, verdicts, command, commit):
     parts = [
         '# Accuracy on the base suite',
         f'{overview["scored"]} of {overview["cases"]} cases from {overview["plants"]} plants that '
-        'training never saw (the rest moved too briefly). Every plant has its own model, '
+        'training never saw. Every plant has its own model, '
         'identified from four 40 s recordings without load. '
         f'False load changes: {overview["false_load_changes"]} cases.',
         f'Command: `{command}`, commit {commit}.',
@@ -88,7 +88,7 @@ def picture(scores, path):
     import matplotlib
     matplotlib.use('Agg')
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(figsize=(7.0, 4.5), layout='constrained')
+    figure, axes = pyplot.subplots(figsize=(7.0, 5.5), layout='constrained')
     for name, entries in scores.items():
         axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]], 'o-',
                     label=name)
@@ -99,6 +99,6 @@ def picture(scores, path):
     axes.set_xticks([], minor=True)
     axes.set_ylim(1.0, 1.2e3 * np.max([e['mass']['rmse'] for v in scores.values() for e in v]))
     axes.grid(True, which='major', alpha=0.4)
-    axes.legend(fontsize='small')
+    figure.legend(loc='outside lower center', ncols=2, fontsize='small')
     figure.savefig(path, dpi=130)
     pyplot.close(figure)
