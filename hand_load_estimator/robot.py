@@ -126,12 +126,6 @@ class Robot:
         upper = np.triu(pin.crba(self.model, self._data, q))
         return upper + np.triu(upper, 1).T
 
-    def load_pose(self, q):
-        """Return rotation (3, 3) and position (3,) of the load frame in the base frame."""
-        pin.framesForwardKinematics(self.model, self._data, q)
-        pose = self._data.oMf[self.model.getFrameId(self.load_frame)]
-        return pose.rotation.copy(), pose.translation.copy()
-
 
 def load_robot(path):
     """Return the Robot of a robot file; raises ConfigurationError."""

@@ -4,7 +4,6 @@ import numpy as np
 
 from ..joint_stream import JointStream
 from ..load import LoadEstimate
-from ..torque_model import ModelFollower
 
 # Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
 MOTION_START = 0.05

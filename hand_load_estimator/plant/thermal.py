@@ -1,7 +1,5 @@
 """Joint temperatures: a gear with its oil, a sensor beside it, and the room around both."""
 
-import numpy as np
-
 from .difficulty import by_size
 
 
