@@ -138,11 +138,9 @@ def message_jacobian_of_shape(shape):
     """Return d message / d shape, (..., 10, 10)."""
     shape = np.asarray(shape, dtype=float)
     jacobian = np.zeros(shape.shape + (10,))
-    for k in range(4):
-        jacobian[..., k, k] = 1.0
-    for k in range(4, 10):
-        jacobian[..., k, 0] = shape[..., k]
-        jacobian[..., k, k] = shape[..., 0]
+    jacobian[..., range(4), range(4)] = 1.0
+    jacobian[..., 4:, 0] = shape[..., 4:]
+    jacobian[..., range(4, 10), range(4, 10)] = shape[..., :1]
     return jacobian
 
 
@@ -170,8 +168,12 @@ def products_from_shape(shape):
         [np.ones_like(shape[..., :1]), shape[..., 1:4], moments], axis=-1)
 
 
-def products_jacobian_of_shape(shape):
-    """Return d products / d shape, (..., 10, 10)."""
+# Where the mass itself stands in d products / d shape.
+_MASS_ROWS, _MASS_COLUMNS = list(range(1, 10)), [1, 2, 3, *_SHAPE_OF_PRODUCT]
+
+
+def products_and_jacobian_of_shape(shape):
+    """Return products (..., 10) and d products / d shape (..., 10, 10)."""
     shape = np.asarray(shape, dtype=float)
     moments, slope = _moments_per_mass(shape)
     mass = shape[..., 0]
@@ -179,10 +181,16 @@ def products_jacobian_of_shape(shape):
     jacobian[..., 0, 0] = 1.0
     jacobian[..., 1:4, 0] = shape[..., 1:4]
     jacobian[..., 4:, 0] = moments
-    jacobian[..., [1, 2, 3], [1, 2, 3]] = mass[..., None]
+    # The first column is h of products = mass h(shape).
+    products = mass[..., None] * jacobian[..., 0]
+    jacobian[..., _MASS_ROWS, _MASS_COLUMNS] = mass[..., None]
     jacobian[..., 4:, 1:4] = mass[..., None, None] * slope
-    jacobian[..., range(4, 10), _SHAPE_OF_PRODUCT] = mass[..., None]
-    return jacobian
+    return products, jacobian
+
+
+def products_jacobian_of_shape(shape):
+    """Return d products / d shape, (..., 10, 10)."""
+    return products_and_jacobian_of_shape(shape)[1]
 
 
 def products_jacobian_of_message(vector):

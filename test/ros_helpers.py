@@ -91,7 +91,8 @@ class Listener:
         from rclpy.node import Node
         self.context = Context()
         self.context.init(domain_id=domain)
-        self.node = Node('listener', context=self.context)
+        # Services nobody calls would cost the listener time at every message.
+        self.node = Node('listener', context=self.context, start_parameter_services=False)
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
 
@@ -121,7 +122,7 @@ class Listener:
         """Spin for some real time [s]."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self._executor.spin_once(timeout_sec=0.02)
+            self._executor.spin_once(timeout_sec=max(end - time.monotonic(), 0.0))
 
     def call(self, kind, service, request, timeout=10.0):
         """Return the response of a service; asked again when no answer comes (all may be)."""

@@ -122,7 +122,7 @@ def test_features_count_and_missing_temperatures():
     robot, n = four_axes(), 4
     one, ten = np.ones(n), np.full(10, 0.5)
     arguments = [robot.limits, (one, one), (one, one, one), one, (one, one, one), one,
-                 (one, one, one), ten]
+                 (one, one, one), (one, one), ten]
     full = features(*arguments)
     assert full.shape == (n, feature_count(n)) and np.isfinite(full).all()
     arguments[3] = np.full(n, np.nan)

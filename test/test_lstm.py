@@ -17,7 +17,7 @@ from hand_load_estimator.learning.artefact import read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count, features, REFRESH
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers
-from hand_load_estimator.learning.shards import bayes_pass, prior_tensors
+from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.torque_model import ModelFollower
 
@@ -122,13 +122,14 @@ class Spy:
         dt = torch.tensor([s.dt for s in samples])
         weights = dt[None, :, None] / density
         *load, relative = bayes_pass(model.robot, columns, difference, weights)
+        slow = slow_residuals(load[0].numpy(), load[1].numpy(), density.numpy())
         inputs = features(
             model.robot.limits, (model.residuals.rmse, model.residuals.intensity),
             tuple(np.array([getattr(s, name) for s in samples]) for name in 'qva'),
             np.array([s.temperature for s in samples]) - model.robot.reference_temperature,
             tuple(np.array([getattr(p, name) for p in predictions])
                   for name in ('z', 'doubt', 'density')),
-            difference[0].numpy(), [x[0].numpy() for x in load], relative[0].numpy())
+            difference[0].numpy(), [x[0].numpy() for x in load], slow[:, 0], relative[0].numpy())
         return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
                 'difference': difference, 'weights': weights,
                 'level': torch.tensor(model.friction_level())[None]}

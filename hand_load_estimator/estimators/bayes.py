@@ -42,20 +42,26 @@ class Bayes:
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
+        self.settle()
         columns = joined_columns(prediction)
         innovation, spread, _ = innovation_of(prediction, columns, self._known,
                                               self._regression.posterior)
-        changes = self.changes
         if self._rest.update(sample, innovation, spread):
             self._regression.begin_anew(sample.stamp)
+            self._watch.clear()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
+        self._regression.update_posterior()
+        return self.belief()
+
+    def settle(self):
+        """Look for a load change and renew what the next innovation is counted from."""
+        changes = self.changes
+        self._regression.look_for_change()
         if self.changes > changes:
             self._watch.clear()
-        self._regression.update_posterior()
         self._known = self._regression.known()
-        return self.belief()
 
     def belief(self):
         """Return the present Belief."""

@@ -9,14 +9,17 @@ mass has a place and a size; a few Gauss-Newton steps join it to the data.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..load import (message_from_shape, message_jacobian_of_shape, products_from_shape,
+from ..load import (message_from_shape, message_jacobian_of_shape,
+                    products_and_jacobian_of_shape, products_from_shape,
                     products_jacobian_of_shape)
 
-# Gauss-Newton steps from the last solution, which is close: two leave 1e-6 of the first error.
-STEPS = 3
+# Gauss-Newton steps from the last solution: at most so many, and none after one shorter than this
+# many standard deviations, which leaves an error of its square.
+STEPS, SHORT = 3, 0.01
 
 
 @dataclass(frozen=True)
@@ -24,16 +27,32 @@ class Posterior:
     """
     Gaussian belief about the load.
 
-    shape (10,), shape_covariance; mean (10,) and covariance (10, 10) in message order;
-    products (10,): the estimate u as products; products_covariance (10, 10): S.
+    shape (10,), shape_covariance (10, 10) in shape order.
     """
 
     shape: np.ndarray
     shape_covariance: np.ndarray
-    mean: np.ndarray
-    covariance: np.ndarray
-    products: np.ndarray
-    products_covariance: np.ndarray
+
+    @cached_property
+    def mean(self):
+        """Mean (10,) in message order."""
+        return message_from_shape(self.shape)
+
+    @cached_property
+    def covariance(self):
+        """Covariance (10, 10) in message order."""
+        return message_covariance(self.shape, self.shape_covariance)
+
+    @cached_property
+    def products(self):
+        """The estimate u (10,) as products."""
+        return products_from_shape(self.shape)
+
+    @cached_property
+    def products_covariance(self):
+        """S (10, 10): covariance of the products."""
+        jacobian = products_jacobian_of_shape(self.shape)
+        return jacobian @ self.shape_covariance @ jacobian.T
 
 
 class Information:
@@ -101,14 +120,18 @@ def shape_posterior(matrix, vector, prior, start):
     precision, scale = prior.std ** -2.0, np.outer(prior.std, prior.std)
     shape = start
     for _ in range(STEPS):
-        jacobian = products_jacobian_of_shape(shape)
-        gradient = jacobian.T @ (vector - matrix @ products_from_shape(shape))
+        products, jacobian = products_and_jacobian_of_shape(shape)
+        gradient = jacobian.T @ (vector - matrix @ products)
         gradient += precision * (prior.mean - shape)
         hessian = jacobian.T @ matrix @ jacobian
         hessian[np.diag_indices(10)] += precision
         # Conditioning: unit prior in every direction.
         inverse = np.linalg.inv(hessian * scale)
-        shape = shape + prior.std * (inverse @ (prior.std * gradient))
+        gradient *= prior.std
+        step = inverse @ gradient
+        shape = shape + prior.std * step
+        if gradient @ step < SHORT ** 2:
+            break
     covariance = inverse * scale
     return shape, 0.5 * (covariance + covariance.T)
 
@@ -126,15 +149,12 @@ def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
         shrink = np.linalg.inv(np.eye(10) + matrix @ tare)
         matrix, vector = shrink @ matrix, shrink @ vector
     shape, covariance = shape_posterior(matrix, vector, prior, start)
-    jacobian = products_jacobian_of_shape(shape)
-    products = products_from_shape(shape)
     if gain_doubt > 0.0:
         # d u / d eps_i of a load torque misread by (1 + eps_i) on joint i alone.
+        products, jacobian = products_and_jacobian_of_shape(shape)
         moved = covariance @ jacobian.T @ information.vectors_by_joint(products).T
         covariance = covariance + gain_doubt ** 2 * moved @ moved.T
-    return Posterior(shape, covariance, message_from_shape(shape),
-                     message_covariance(shape, covariance), products,
-                     jacobian @ covariance @ jacobian.T)
+    return Posterior(shape, covariance)
 
 
 def message_covariance(shape, covariance):

@@ -9,7 +9,7 @@ The forward pass is numpy, because one sample through torch costs more than the 
 
 import numpy as np
 
-from ..learning.features import REFRESH, features
+from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
 from ..load import message_from_shape
 from ..torque_model import warmth_of
@@ -45,9 +45,11 @@ class LstmCell:
     def step(self, inputs):
         """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
         gates = inputs @ self._input + self._h @ self._hidden + self._bias
-        i, f, g, o = np.split(gates, 4, axis=1)
-        self._c = _sigmoid(f) * self._c + _sigmoid(i) * np.tanh(g)
-        self._h = _sigmoid(o) * np.tanh(self._c)
+        hidden = self._c.shape[1]
+        i, f, _, o = (opened[:, k:k + hidden] for opened in (_sigmoid(gates),)
+                      for k in range(0, 4 * hidden, hidden))
+        self._c = f * self._c + i * np.tanh(gates[:, 2 * hidden:3 * hidden])
+        self._h = o * np.tanh(self._c)
         joint = self._h @ self._joint[0] + self._joint[1]
         load = self._load[0] @ self._h.ravel() + self._load[1]
         return (CORRECTION * np.tanh(joint[:, 0]), GAIN * np.tanh(joint[:, 1] / GAIN),
@@ -95,6 +97,7 @@ class Lstm:
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
+        self.settle()
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         if self._rest.update(sample, load[0], load[1]):
@@ -106,18 +109,29 @@ class Lstm:
         correction, gain, self._shift, self._spread = self._cell.step(
             self._features(sample, prediction, load))
         weights = sample.dt / prediction.density
-        changes = self._plain.changes
-        self._plain.add(sample, columns, prediction.difference, weights)
         self._learned.add(sample, columns, prediction.difference - correction * self._level,
                           weights * np.exp(gain))
-        if self._plain.changes > changes:
-            self._learned.forget()
-            self._restart()
+        self._learned.update_posterior()
+        # The plain regression only serves the next innovation.
+        self._unsettled = sample, columns, prediction.difference, weights
+        return self.belief()
+
+    def settle(self):
+        """Bring the plain regression behind the innovations up to date, look for a change."""
+        if self._unsettled is None:
+            return
+        changes = self._plain.changes
+        self._plain.add(*self._unsettled)
+        self._unsettled = None
         self._count += 1
         if self._count % REFRESH == 0:
             self._renew()
-        self._learned.update_posterior()
-        return self.belief()
+        else:
+            # At a renewal there is enough to do.
+            self._plain.look_for_change()
+        if self._plain.changes > changes:
+            self._learned.forget()
+            self._restart()
 
     def belief(self):
         """Return the present Belief."""
@@ -145,7 +159,8 @@ class Lstm:
         self._cell.restart()
         self._watch.clear()
         self._rest.restart()
-        self._count = 0
+        self._slow = SlowResidual(self._robot.n)
+        self._count, self._unsettled = 0, None
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._renew()
 
@@ -159,7 +174,8 @@ class Lstm:
         residuals = self._model.residuals
         warmth = np.where(np.isfinite(sample.temperature),
                           warmth_of(self._robot, sample.temperature), np.nan)
+        slow = self._slow.update(load[0], load[1], prediction.density, sample.dt)
         return features(self._robot.limits, (residuals.rmse, residuals.intensity),
                         (sample.q, sample.v, sample.a), warmth,
                         (prediction.z, prediction.doubt, prediction.density),
-                        prediction.difference, load, self._relative)
+                        prediction.difference, load, slow, self._relative)

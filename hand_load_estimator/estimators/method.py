@@ -27,6 +27,9 @@ class Method(Protocol):
     def update(self, sample, prediction) -> Belief:
         """Take one MotionSample with its Prediction; return the belief after it."""
 
+    def settle(self):
+        """Do what the last sample calls for and its belief need not wait for; safe to repeat."""
+
     def belief(self) -> Belief:
         """Return the present belief; the prior before any data."""
 

@@ -61,7 +61,11 @@ class Pipeline:
         self._stream.temperature_reading(joint, celsius)
 
     def joint_state(self, stamp, names, position, velocity, effort):
-        """Take one message; return the new LoadEstimate when there is one, else None."""
+        """
+        Take one message; return the new LoadEstimate when there is one, else None.
+
+        What the estimate need not wait for is left to settle(), or else to the next message.
+        """
         sample = self._stream.joint_state(stamp, names, position, velocity, effort)
         if sample is None:
             return None
@@ -74,6 +78,10 @@ class Pipeline:
         belief = self.method.update(sample, prediction)
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
+
+    def settle(self):
+        """Do what the last estimate did not wait for."""
+        self.method.settle()
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""

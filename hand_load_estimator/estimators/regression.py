@@ -29,7 +29,8 @@ class LoadRegression:
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change, self._turn = 0, None, 0
+        self.changes, self.last_change = 0, None
+        self._turn, self._unchecked = 0, None
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
@@ -37,7 +38,23 @@ class LoadRegression:
         moved = sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
         difference = difference - columns[:, :10] @ self._zero
         if self._recent.add(columns, difference, weights, moved) and self._watch:
-            self._look_for_change(sample.stamp)
+            self._unchecked = sample.stamp
+
+    def look_for_change(self):
+        """Test what the last samples completed against older data; forget the load if it changed."""
+        if self._unchecked is None:
+            return
+        stamp, self._unchecked = self._unchecked, None
+        # The windows take turns, which halves the longest time a sample takes.
+        self._turn = (self._turn + 1) % len(WINDOWS)
+        split = self._recent.split(WINDOWS[self._turn])
+        if split is None:
+            return
+        older, recent = split
+        mean, covariance = self._older_belief(older)
+        if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
+            # Nobody knows since when: a change is seen while the window still holds old data.
+            self.begin_anew(stamp)
 
     def update_posterior(self):
         """Solve for the Posterior of all data so far and return it."""
@@ -57,6 +74,7 @@ class LoadRegression:
     def forget(self):
         """Forget the load."""
         self._recent.clear()
+        self._unchecked = None
         self._start = self._prior.mean
         self.posterior = self._solve()
 
@@ -80,18 +98,6 @@ class LoadRegression:
         self._total = self._recent.total()
         return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
                             self._tare)
-
-    def _look_for_change(self, stamp):
-        # The windows take turns, which halves the longest time a sample takes.
-        self._turn = (self._turn + 1) % len(WINDOWS)
-        split = self._recent.split(WINDOWS[self._turn])
-        if split is None:
-            return
-        older, recent = split
-        mean, covariance = self._older_belief(older)
-        if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
-            # Nobody knows since when: a change is seen while the window still holds old data.
-            self.begin_anew(stamp)
 
     def begin_anew(self, stamp):
         """Forget the load because another is held since about `stamp` [s]."""

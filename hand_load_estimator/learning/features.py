@@ -12,9 +12,32 @@ import numpy as np
 
 # The posterior behind the innovations is renewed every so many samples.
 REFRESH = 5
-PER_JOINT, SHARED = 13, 11
+PER_JOINT, SHARED = 15, 11
 # Training ends after seconds; what grows surer for hours must not leave the range it saw.
 LEAST_LOG_STD = -1.4
+# What the model lacks shows in slow residuals: innovations averaged over SLOW [s], and their mean
+# square over LONG [s] against what load and model explain.
+SLOW, LONG = 0.3, 3.0
+
+
+class SlowResidual:
+    """
+    Follow the slow part of innovations (..., n) and how it compares with what is expected.
+
+    relative (..., n): slow innovation in expected standard deviations; excess (..., n): its mean
+    square, 1 where the stated density holds.
+    """
+
+    def __init__(self, shape):
+        self._slow, self.relative, self.excess = np.zeros(shape), np.zeros(shape), np.ones(shape)
+
+    def update(self, innovation, variance, density, dt):
+        """Take innovation [Nm], variance of the load's torque [Nm^2], density [Nm^2 s]."""
+        self._slow = self._slow + min(dt / SLOW, 1.0) * (innovation - self._slow)
+        expected = density / (2.0 * SLOW) + variance
+        self.relative = self._slow / np.sqrt(expected)
+        self.excess = self.excess + min(dt / LONG, 1.0) * (self.relative ** 2 - self.excess)
+        return self.relative, self.excess
 
 
 def squash(x):
@@ -27,14 +50,15 @@ def feature_count(n):
     return PER_JOINT + n + SHARED
 
 
-def features(limits, model, motion, warmth, friction, difference, load, relative_std):
+def features(limits, model, motion, warmth, friction, difference, load, slow, relative_std):
     """
     Return (..., n, F) inputs.
 
     limits: JointLimits; model: rmse [Nm], intensity [Nm^2 s] of the torque model, (n,) each;
     motion: q, v, a; warmth [K], NaN where not measured; friction: z, doubt, density [Nm^2 s];
     difference [Nm]; load: innovation [Nm], variance of the load's torque [Nm^2] and the torque
-    itself [Nm] as the running posterior has them; all (..., n). relative_std (..., 10): posterior
+    itself [Nm] as the running posterior has them; slow: what SlowResidual says; all (..., n).
+    relative_std (..., 10): posterior
     over prior standard deviations.
     """
     (rmse, intensity), (q, v, a), (z, doubt, density) = model, motion, friction
@@ -44,7 +68,8 @@ def features(limits, model, motion, warmth, friction, difference, load, relative
         np.sin(q), np.cos(q), v / limits.velocity, a / limits.acceleration,
         squash(difference / rmse), squash(innovation / rmse), squash(np.sqrt(variance) / rmse),
         squash(torque / rmse), np.nan_to_num(warmth) / 20.0, z, np.minimum(doubt, 1.0),
-        np.minimum(np.log(density / intensity) / 6.0, 2.0), squash(v / 0.01)], axis=-1)
+        np.minimum(np.log(density / intensity) / 6.0, 2.0), squash(v / 0.01),
+        squash(slow[0]), np.minimum(np.log(slow[1] + 0.01) / 3.0, 2.0)], axis=-1)
     shared = np.concatenate(
         [np.maximum(np.log(relative_std) / 5.0, LEAST_LOG_STD), known], axis=-1)
     n = q.shape[-1]

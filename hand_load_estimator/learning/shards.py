@@ -12,7 +12,7 @@ from safetensors.torch import load_file, save_file
 
 from ..estimators.load_prior import load_prior
 from ..model_file import read_model
-from .features import REFRESH, features
+from .features import REFRESH, SlowResidual, features
 from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,
                                shape_posterior)
 from .sequences import EVERY, RATE, SequenceMaker
@@ -66,6 +66,14 @@ def _delayed(values, first, like):
     return shifted.repeat_interleave(REFRESH, dim=1).to(like.dtype)
 
 
+def slow_residuals(innovation, variance, density):
+    """Return (2, B, T, n): what SlowResidual says along innovations (B, T, n)."""
+    track = SlowResidual(innovation[:, 0].shape)
+    rows = [track.update(innovation[:, k], variance[:, k], density[:, k], DT)
+            for k in range(innovation.shape[1])]
+    return np.stack([np.stack(row) for row in rows], axis=2)
+
+
 def make_shard(maker, robot, seeds):
     """Return the tensors of one batch of sequences."""
     sequences = [maker.make(seed) for seed in seeds]
@@ -73,10 +81,11 @@ def make_shard(maker, robot, seeds):
              for name in vars(sequences[0])}
     weights = DT / stack['density']
     *load, relative = bayes_pass(robot, stack['columns'], stack['difference'], weights)
+    slow = slow_residuals(load[0].numpy(), load[1].numpy(), stack['density'].numpy())
     inputs = np.stack([features(
         robot.limits, (s.rmse, s.intensity), np.moveaxis(s.motion, 1, 0), s.warmth,
         (s.z, s.doubt, s.density), s.difference, [x[k].numpy() for x in load],
-        relative[k].numpy()) for k, s in enumerate(sequences)])
+        slow[:, k], relative[k].numpy()) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
             'load': stack['load'], 'begin': stack['begin']}

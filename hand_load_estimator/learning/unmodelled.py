@@ -100,7 +100,7 @@ def disturbances(rng, q, v, torque, slow, dt):
     """
     out = np.zeros_like(q)
     n = q.shape[1]
-    sizes = (0.0, 1.2) if rng.random() < 0.1 else (-1.0, 0.0)
+    sizes = (0.0, 1.2) if rng.random() < 0.1 else (-1.5, -0.3)
     for j in range(n):
         def strength(j=j):
             return slow[j] * 10.0 ** rng.uniform(*sizes)

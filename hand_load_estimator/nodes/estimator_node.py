@@ -94,6 +94,7 @@ class EstimatorNode(Node):
                                               message.velocity, message.effort)
         if estimate is not None:
             self._publish_estimate(estimate)
+            self._pipeline.settle()
 
     def _on_temperature(self, message):
         self._take_temperature(message.header.frame_id, message.temperature)

@@ -5,12 +5,16 @@ import signal
 import sys
 
 import rclpy
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from ..errors import ConfigurationError
+
+try:
+    from rclpy.experimental.events_executor import EventsExecutor
+except ImportError:
+    # Early releases of Jazzy lack it; the node works, at 1.6 times the processor time.
+    EventsExecutor = SingleThreadedExecutor
 
 _STOP_LATENCY = 0.1  # [s] longest time a signal waits while no message wakes the node
 
@@ -45,17 +49,14 @@ def _start(make_node, args):
 
 
 def _spin(node, stop):
-    executor = SingleThreadedExecutor()
+    executor = EventsExecutor()
     executor.add_node(node)
-    wake = node.create_timer(_STOP_LATENCY, lambda: None,
-                             clock=Clock(clock_type=ClockType.STEADY_TIME))
     try:
         while not stop and rclpy.ok():
-            executor.spin_once()
+            executor.spin_once(_STOP_LATENCY)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_timer(wake)
         executor.remove_node(node)
         executor.shutdown()
 
