@@ -20,6 +20,7 @@ COMMANDS = {
     'excite': 'write a motion that identifies the arm, inside all its limits',
     'simulate': 'write a recording of the simulated arm',
     'identify': 'make a torque model from recordings without load or with a known one',
+    'diagnose': 'find what a torque model lacks, add it, report before and after',
     'train': 'train the learned estimator for a torque model',
     'estimate': 'estimate the load in a recording',
     'benchmark': 'measure accuracy and speed beside rival methods',

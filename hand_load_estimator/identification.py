@@ -22,6 +22,8 @@ from .torque_model import (ColumnLayout, EffectUse, Residuals, TorqueModel, effe
 LINK_DOUBT = 0.1
 # Lengths [s] of the block means from which the residual's density is read.
 BLOCK_MEANS = (0.06, 0.2, 0.5, 1.0)
+# Smallest residual believed, as a fraction of the joint's maximum torque.
+LEAST_NOISE = 1e-4
 # Below this much usable motion [s] there is nothing to identify from.
 LEAST_MOTION = 3.0
 
@@ -70,28 +72,35 @@ def prior(robot, uses, links_declared):
 def declare(robot, names, temperatures_known):
     """Return (uses, links_declared) for effect names; all joints, default shapes."""
     names = DEFAULT_EFFECTS if names is None else names
-    unknown = [name for name in names if name not in DEFAULT_EFFECTS]
+    known = ('link_inertia', *EFFECTS)
+    unknown = [name for name in names if name not in known]
     if unknown:
         raise ConfigurationError('--effects', 'names unknown effects', ', '.join(unknown),
-                                 ', '.join(DEFAULT_EFFECTS))
+                                 ', '.join(known))
     chosen = [EFFECTS[name] for name in names if name in EFFECTS]
-    if robot.effort.kind == 'link_torque':
+    if robot.effort.kind == 'link_torque' and names is DEFAULT_EFFECTS:
         chosen = [e for e in chosen if e.in_link_torque]
     if not temperatures_known:
         chosen = [e for e in chosen if e.name not in NEEDS_TEMPERATURE]
     uses = tuple(EffectUse(e.name, j, e.default_shape())
-                 for j in range(robot.n) for e in chosen)
+                 for j in range(robot.n) for e in chosen if not (e.whole_arm and j))
     return uses, 'link_inertia' in names
 
 
-class _System:
-    """Columns, torque and friction doubt of several recordings for one set of effects."""
+class System:
+    """
+    Columns, torque and friction doubt of several recordings for one set of effects.
 
-    def __init__(self, robot, uses, evidence):
+    mean (P,): parameters that tell torques to the effects that depend on them.
+    """
+
+    def __init__(self, robot, uses, evidence, mean):
         distance = presliding_distances(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
         inputs = [motion_input(robot, e.motion, distance) for e in evidence]
-        self.columns = np.concatenate([torque_columns(robot, layout, x) for x, _ in inputs])
+        self.columns = np.concatenate([
+            torque_columns(robot, layout, x, mean, e.motion.dt)
+            for (x, _), e in zip(inputs, evidence)])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
         self.dt = np.concatenate([e.motion.dt for e in evidence])
@@ -162,13 +171,13 @@ def _search_shapes(robot, uses, evidence, x, intensity, friction):
     """Return uses with each joint's shapes set to the values that fit its residual best."""
     uses = list(uses)
     # The same weights for every trial: a longer presliding travel would excuse more samples.
-    weights = _System(robot, tuple(uses), evidence).weights(intensity, friction)
+    weights = System(robot, tuple(uses), evidence, x).weights(intensity, friction)
     for name, shape in _shapes_of(uses):
         best = {}
         for value in shape.grid:
             trial = tuple(replace(u, shape={**u.shape, shape.name: value})
                           if u.name == name else u for u in uses)
-            system = _System(robot, trial, evidence)
+            system = System(robot, trial, evidence, x)
             for j, cost in enumerate(_joint_costs(robot, trial, system, x, weights)):
                 if j not in best or cost < best[j][0]:
                     best[j] = (cost, value)
@@ -179,7 +188,7 @@ def _search_shapes(robot, uses, evidence, x, intensity, friction):
 
 def _shapes_of(uses):
     """Return the different (effect name, Shape) pairs, presliding first: it changes z."""
-    seen = {(u.name, s.name): (u.name, s) for u in uses for s in u.effect.shapes}
+    seen = {(u.name, s.name): (u.name, s) for u in uses for s in u.effect.shapes if s.grid}
     return sorted(seen.values(), key=lambda pair: pair[0] != 'presliding_hysteresis')
 
 
@@ -273,7 +282,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         progress(f'identification pass {turn + 1} of 4')
         if turn in (1, 2):
             uses = _search_shapes(robot, uses, evidence, x, intensity, friction)
-        system = _System(robot, uses, evidence)
+        system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         x, posterior = system.solve(mean, covariance, weights)
         intensity = density(system.residual(x), weights, system.owner, system.dt)
@@ -281,13 +290,19 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
-    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9)
-    rmse = np.sqrt((moving * left_out ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
-    residuals = Residuals(rmse, intensity, _drift(system, left_out, weights))
+    residuals = Residuals(rmse_of(robot, system, left_out), intensity, _drift(system, left_out, weights))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),
                        (float(seen.min()), float(seen.max())) if known else None)
+
+
+def rmse_of(robot, system, residual):
+    """Return the RMS (n,) [Nm] of a residual (N, n) of a System while joints surely slide."""
+    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9)
+    rmse = np.sqrt((moving * residual ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
+    # A joint that never slid shows no noise; it has some.
+    return np.maximum(rmse, LEAST_NOISE * robot.limits.torque)
 
 
 def _require_motion(robot, evidence):

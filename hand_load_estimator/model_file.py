@@ -62,7 +62,9 @@ def model_content(model):
     for use, where in model.slices():
         parameters = {name: _parameter(model.mean[i], std[i], unit) for i, (name, unit) in
                       zip(range(where.start, where.stop), use.effect.parameters)}
-        entry = {'name': use.name, 'joints': [robot.joints[use.joint]],
+        whole = use.effect.whole_arm
+        entry = {'name': use.name,
+                 'joints': list(robot.joints) if whole else [robot.joints[use.joint]],
                  'parameters': parameters}
         if use.shape:
             entry['shape'] = dict(use.shape)
@@ -171,11 +173,13 @@ def _read_effects(section, robot, path):
         entry = Section(content, f'{path}: effects[{k}]')
         name = entry.text('name', tuple(EFFECTS))
         shape = _read_shape(entry, EFFECTS[name])
-        for joint in entry.names('joints'):
+        names = entry.names('joints')
+        for joint in names[:1] if EFFECTS[name].whole_arm else names:
             if joint not in robot.joints:
                 entry.fail('joints', 'names a joint the robot does not have', joint,
                            ', '.join(robot.joints))
-            uses.append(EffectUse(name, robot.joints.index(joint), shape))
+            place = 0 if EFFECTS[name].whole_arm else robot.joints.index(joint)
+            uses.append(EffectUse(name, place, shape))
             values = entry.section('parameters')
             for parameter, _ in EFFECTS[name].parameters:
                 value = values.section(parameter)

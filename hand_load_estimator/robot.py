@@ -121,6 +121,20 @@ class Robot:
             tau += self.load_regressor(q, v, a) @ load.to_products()
         return tau
 
+    def tilt_regressor(self, q, links):
+        """
+        Return (n, 2) [Nm/rad]: torque of the links' weight when gravity is turned.
+
+        By one radian to first order, about the base's x and about its y. links (10 n,): products.
+        """
+        zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()
+        columns = []
+        for axis in np.eye(3)[:2]:
+            self.model.gravity.linear = np.cross(axis, gravity)
+            columns.append(self.link_regressor(q, zero, zero) @ links)
+        self.model.gravity.linear = gravity
+        return np.stack(columns, axis=-1)
+
     def mass_matrix(self, q):
         """Return the joint-space mass matrix (n, n) of the nominal links."""
         upper = np.triu(pin.crba(self.model, self._data, q))

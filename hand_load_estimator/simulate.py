@@ -53,7 +53,7 @@ def add_arguments(parser):
     parser.add_argument('--seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
                         help='draws the arm and its noise (default: 0)')
     parser.add_argument('--motion-seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
-                        help='draws the motion (default: 0)')
+                        help='draws the motion, noise and state of rest (default: 0)')
     parser.add_argument('--duration', metavar='S', type=_number(1.0, 36000.0),
                         help=f'of a motion by name [s] (default: {_DURATION:g})')
     parser.add_argument('--rate', metavar='HZ', type=_number(30.0, 1000.0), default=500.0,
@@ -97,7 +97,8 @@ def run(args):
     temperature = (robot.file.reference_temperature if args.temperature is None
                    else args.temperature)
     events = simulate_motion(robot, motion.time, motion.position, motion.velocity,
-                             motion.acceleration, settle=SETTLE, seed=args.seed, load=load,
+                             motion.acceleration, settle=SETTLE, seed=args.seed,
+                             run=args.motion_seed, load=load,
                              effects=effects, start_temperature=temperature, rate=args.rate)
     began = time.monotonic()
     count = _write(Path(args.out), events, robot.joints, load, SETTLE + motion.end)

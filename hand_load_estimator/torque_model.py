@@ -6,7 +6,7 @@ effects' parameters, joint by joint. The same columns serve identification (eq. 
 (E1.1) and the model's own uncertainty at run time.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,11 @@ NO_PRESLIDING = 1e-4
 
 @dataclass(frozen=True)
 class EffectUse:
-    """One declared effect on one joint: its name, joint index and shape values."""
+    """
+    One declared effect on one joint: its name, joint index and shape values.
+
+    An effect of the whole arm stands at joint 0.
+    """
 
     name: str
     joint: int
@@ -105,7 +109,7 @@ class TorqueModel:
         sign = np.sign(v)
         warmth = self._warmth(temperature)
         x = EffectInput(*(s[None] for s in (q, v, a, warmth, sign)))
-        return torque_columns(self.robot, self.layout, x)[0] @ self.mean
+        return torque_columns(self.robot, self.layout, x, self.mean)[0] @ self.mean
 
     def load_regressor(self, q, v, a):
         """Return K (n, 10) in the load frame (eq. 10)."""
@@ -155,34 +159,105 @@ class ColumnLayout:
     """
     Where the columns of declared effects stand in Y, joints of one effect taken together.
 
-    size: P, the length of x.
+    size: P, the length of x. needs: what the columns read beside motion and friction state.
     """
 
     def __init__(self, n, uses):
-        self.size = parameter_count(n, uses)
+        self.size, self.links = parameter_count(n, uses), 10 * n
         pairs = effect_slices(n, uses)
-        self._groups = []
+        self._plain, self._torque_bound = [], []
         for name in dict.fromkeys(use.name for use in uses):
+            effect = EFFECTS[name]
             own = [(use, where) for use, where in pairs if use.name == name]
             joints = np.array([use.joint for use, _ in own])
             shape = {s: np.array([use.shape[s] for use, _ in own]) for s in own[0][0].shape}
             places = np.array([range(where.start, where.stop) for _, where in own])
-            self._groups.append((EFFECTS[name], joints, shape, places))
+            if effect.whole_arm:
+                joints = np.arange(n)
+            group = effect, joints, shape, places
+            (self._torque_bound if effect.needs & _TORQUES else self._plain).append(group)
+        self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
 
     def fill(self, columns, x):
-        """Write the effects' columns into columns (N, n, P)."""
-        for effect, joints, shape, places in self._groups:
-            columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
+        """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
+        _fill(self._plain, columns, x)
+
+    def fill_torque_bound(self, columns, x):
+        """Write the effects that depend on torques into columns (N, n, P)."""
+        _fill(self._torque_bound, columns, x)
 
 
-def torque_columns(robot, layout, x):
-    """Return Y (N, n, P) for a ColumnLayout and an EffectInput."""
+    def plain_torque(self, columns, mean):
+        """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
+        bound = np.zeros(self.size, dtype=bool)
+        for *_, places in self._torque_bound:
+            bound[places.ravel()] = True
+        return columns @ np.where(bound, 0.0, mean)
+
+
+# Inputs of effects that follow from the other columns.
+_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late'})
+
+
+def _fill(groups, columns, x):
+    for effect, joints, shape, places in groups:
+        columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
+
+
+def torque_columns(robot, layout, x, mean=None, dt=None, reported=None, before=None):
+    """
+    Return Y (N, n, P) for a ColumnLayout and an EffectInput.
+
+    Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
+    between the samples, without which torques stand still; reported (N, n) [Nm]: torque of the
+    drives where it is measured, else as predicted; before: (torque (M, n) [Nm], dt (M,) [s]):
+    what `plain_torque` was at the samples before the first.
+    """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
     for k in range(count):
         columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
     layout.fill(columns, x)
+    if layout.needs:
+        plain = columns @ mean
+        layout.fill_torque_bound(columns, replace(
+            x, gear=columns[:, :, :layout.links] @ mean[:layout.links],
+            drive=plain if reported is None else reported, rate=_rate(plain, dt, before),
+            late=lateness(plain, dt, before),
+            tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
+
+
+def _rate(torque, dt, before):
+    """Return the backward difference (N, n) [Nm/s], as a causal estimator has it."""
+    if dt is None:
+        return np.zeros_like(torque)
+    first = torque[:1] if before is None else before[0][-1:]
+    return np.diff(torque, axis=0, prepend=first) / dt[:, None]
+
+
+def lateness(torque, dt, before=None):
+    """
+    Return late(delays): torque (N, n) [Nm] some seconds ago less the torque now.
+
+    torque (N, n) at samples dt (N,) [s] apart; before: (torque (M, n), dt (M,)) ahead of them.
+    """
+    past, gaps = (torque[:0], np.zeros(0)) if before is None else before
+    series = np.concatenate([past, torque])
+    gaps = np.concatenate([gaps, np.zeros(len(torque)) if dt is None else dt])
+    time = np.cumsum(gaps)
+
+    def late(delays):
+        delays = np.broadcast_to(delays, series.shape[1])
+        now = time[len(past):]
+        return np.stack([np.interp(now - delay, time, column) for delay, column in
+                         zip(delays, series.T)], axis=1) - torque
+    return late
+
+
+def tilt_columns(robot, q, mean):
+    """Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n) for x (P,)."""
+    return np.array([robot.tilt_regressor(row, mean[:10 * robot.n]) for row in q])
 
 
 def motion_input(robot, motion, distance):
@@ -234,7 +309,7 @@ class ModelFollower:
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
-        self._known = self._drift = None
+        self._known = self._drift = self._before = None
 
     @property
     def uncertainties(self):
@@ -244,6 +319,22 @@ class ModelFollower:
     def restart(self):
         """Forget the path, as after a gap in the data."""
         self._path.restart()
+        self._before = None
+
+    def _columns(self, x, dt, reported):
+        model = self.model
+        if not model.layout.needs:
+            return torque_columns(model.robot, model.layout, x)
+        columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
+                                 reported[None], self._before)
+        self._remember(model.layout.plain_torque(columns, model.mean), dt)
+        return columns
+
+    def _remember(self, torque, dt):
+        """Keep the last torques, as far back as a delay may reach."""
+        past, gaps = self._before or (torque[:0], np.zeros(0))
+        self._before = (np.concatenate([past, torque])[-_REMEMBERED:],
+                        np.append(gaps, dt)[-_REMEMBERED:])
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -251,8 +342,9 @@ class ModelFollower:
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
             sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
-        columns = torque_columns(robot, self.model.layout, x)
-        difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
+        reported = real_torque(robot, sample.q, sample.effort)
+        columns = self._columns(x, sample.dt, reported)
+        difference = reported - columns[0] @ self.model.mean
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
@@ -262,6 +354,9 @@ class ModelFollower:
         return Prediction(difference, robot.load_columns(columns[0, :, :10 * robot.n]),
                           nuisances, z, doubt, stuck, density)
 
+
+# Samples of 20 ms kept for effects that look back.
+_REMEMBERED = 8
 
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0
@@ -315,7 +410,7 @@ def uncertain_directions(model, directions, seed):
     values, vectors = np.linalg.eigh(model.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     weight = 1.0 / np.sqrt(model.residuals.intensity)
-    effect = torque_columns(robot, model.layout, x) @ root
+    effect = torque_columns(robot, model.layout, x, model.mean) @ root
     rows = (effect * weight[None, :, None]).reshape(count * n, -1)
     _, axes = np.linalg.eigh(rows.T @ rows)
     return root @ axes[:, ::-1][:, :directions]

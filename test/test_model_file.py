@@ -19,8 +19,9 @@ from hand_load_estimator.effects import EFFECTS, EffectInput
 def model():
     """Return a model with every effect, correlations and uncommon numbers."""
     robot, rng = four_axes(), np.random.default_rng(1)
-    uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j] for s in e.shapes})
-                 for j in range(robot.n) for e in EFFECTS.values())
+    uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j] if s.grid else 50.0 + j
+                                       for s in e.shapes})
+                 for j in range(robot.n) for e in EFFECTS.values() if not (e.whole_arm and j))
     size = parameter_count(robot.n, uses)
     mean = rng.normal(size=size) * 10.0 ** rng.uniform(-4, 1, size)
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
@@ -45,7 +46,7 @@ def columns_of(model, count=50):
     rng, shape = np.random.default_rng(2), (50, model.robot.n)
     return torque_columns(model.robot, model.layout, EffectInput(
         rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
-        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape)))
+        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape)), model.mean, np.full(50, 0.02))
 
 
 def test_round_trip(model, tmp_path):

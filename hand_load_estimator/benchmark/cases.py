@@ -60,7 +60,8 @@ def _samples(robot, events):
     return out
 
 
-def _simulate(robot, motion, **arguments):
+def simulated(robot, motion, **arguments):
+    """Return the MotionSamples of a motion; arguments: as of Plant."""
     return _samples(robot, simulate_motion(
         robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments))
 
@@ -70,8 +71,8 @@ def identification_evidence(robot, plant, effects=()):
     out = []
     for k, (name, temperature, seconds) in enumerate(IDENTIFICATION):
         motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
-        samples = _simulate(robot, motion, seed=plant, start_temperature=temperature,
-                            effects=effects)
+        samples = simulated(robot, motion, seed=plant, run=k + 1,
+                            start_temperature=temperature, effects=effects)
         label = f'plant {plant}, {name} at {temperature:g} degC'
         out.append(prepare(robot, label, Motion.of(samples), LoadParameters()))
     return out
@@ -80,8 +81,8 @@ def identification_evidence(robot, plant, effects=()):
 def case_samples(robot, case, effects=()):
     """Return the MotionSamples of a Case."""
     motion = named_motion('pick_place', robot, DURATION, case.speed, case.seed)
-    return _simulate(robot, motion, seed=case.plant, start_temperature=case.temperature,
-                     load=case.load, effects=effects)
+    return simulated(robot, motion, seed=case.plant, run=case.seed,
+                     start_temperature=case.temperature, load=case.load, effects=effects)
 
 
 def motion_start(robot, samples):

@@ -24,7 +24,8 @@ SUITES = {
     'development': (seeds.DEVELOPMENT_PLANTS[50:58], seeds.DEVELOPMENT_CASES, 8)}
 
 
-def _commit():
+def commit_now():
+    """Return the code's commit, with a word when it was changed since."""
     try:
         out = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], text=True,
                              capture_output=True, cwd=Path(__file__).parent, check=False)
@@ -45,10 +46,10 @@ def _key(suite, robot_path, learned):
     for name in (WEIGHTS, CARD):
         digest.update((Path(artefact) / name).read_bytes())
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
-            'artefact': digest.hexdigest(), 'commit': _commit()}
+            'artefact': digest.hexdigest(), 'commit': commit_now()}
 
 
-def _same_run(raw, key):
+def same_run(raw, key):
     """Note what the raw results belong to; refuse to mix two runs."""
     note = raw / 'key.json'
     if note.exists() and json.loads(note.read_text('utf-8')) != key:
@@ -60,13 +61,14 @@ def _same_run(raw, key):
 def run_suite(suite, robot_name, learned, folder, command, write=print):
     """Measure a suite into `folder`: raw results per plant, scores.json, README.md, mass.png."""
     if suite not in SUITES:
-        raise ConfigurationError('--suite', 'is not known', suite, ', '.join(SUITES))
+        raise ConfigurationError('--suite', 'is not known', suite,
+                                 ', '.join([*SUITES, 'effects']))
     plants, case_seeds, per_plant = SUITES[suite]
     raw = Path(folder) / 'raw'
     raw.mkdir(parents=True, exist_ok=True)
     robot_path = find_shared(robot_name, 'robots')
     key = _key(suite, robot_path, learned)
-    _same_run(raw, key)
+    same_run(raw, key)
     jobs = [(str(robot_path), plant, list(case_seeds[k * per_plant:(k + 1) * per_plant]),
              learned, str(raw)) for k, plant in enumerate(plants)]
     began, paths = time.monotonic(), []

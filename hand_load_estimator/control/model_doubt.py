@@ -22,8 +22,8 @@ class ModelDoubt:
         direction = np.where(v < 0.0, -1.0, 1.0)
         x = EffectInput(*(s[None] for s in (q, v, a, warmth_of(model.robot, temperature),
                                             direction)))
-        columns = nuisance_columns(torque_columns(model.robot, model.layout, x), self._uncertain,
-                                   drift_std(model, np.isfinite(temperature)), x)
+        columns = nuisance_columns(torque_columns(model.robot, model.layout, x, model.mean),
+                                   self._uncertain, drift_std(model, np.isfinite(temperature)), x)
         return np.sqrt((columns[0] ** 2).sum(axis=1))
 
 

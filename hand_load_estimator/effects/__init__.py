@@ -1,18 +1,40 @@
-"""The vocabulary of joint effects a torque model may declare (names as in reports)."""
+"""The vocabulary of effects a torque model may declare (names as in reports), one file each."""
 
-from .drive import OFFSET, ROTOR
+from .backlash import BACKLASH
+from .base_tilt import BASE_TILT
+from .cable_drag import CABLE_DRAG
+from .coulomb_friction import COULOMB_FRICTION
 from .effect import Effect, EffectInput, Shape
-from .friction import (ASYMMETRY, COULOMB, COULOMB_TEMPERATURE, PRESLIDING, STRIBECK, VISCOUS,
-                       VISCOUS_TEMPERATURE)
+from .friction_asymmetry import FRICTION_ASYMMETRY
+from .gravity_spring import GRAVITY_SPRING
+from .load_dependent_friction import LOAD_DEPENDENT_FRICTION
+from .presliding_hysteresis import PRESLIDING_HYSTERESIS
+from .rotor_inertia import ROTOR_INERTIA
+from .stribeck_friction import STRIBECK_FRICTION
+from .temperature_dependent_coulomb_friction import TEMPERATURE_DEPENDENT_COULOMB_FRICTION
+from .temperature_dependent_viscous_friction import TEMPERATURE_DEPENDENT_VISCOUS_FRICTION
+from .time_delay import TIME_DELAY
+from .torque_offset import TORQUE_OFFSET
+from .torque_ripple import TORQUE_RIPPLE
+from .torque_scale import TORQUE_SCALE
+from .torque_scale_temperature import TORQUE_SCALE_TEMPERATURE
+from .viscous_friction import VISCOUS_FRICTION
 
 EFFECTS = {effect.name: effect for effect in (
-    ROTOR, COULOMB, VISCOUS, ASYMMETRY, STRIBECK, PRESLIDING, VISCOUS_TEMPERATURE,
-    COULOMB_TEMPERATURE, OFFSET)}
+    ROTOR_INERTIA, COULOMB_FRICTION,
+    VISCOUS_FRICTION, FRICTION_ASYMMETRY,
+    STRIBECK_FRICTION, PRESLIDING_HYSTERESIS,
+    TEMPERATURE_DEPENDENT_VISCOUS_FRICTION, TEMPERATURE_DEPENDENT_COULOMB_FRICTION,
+    TORQUE_OFFSET, BASE_TILT,
+    GRAVITY_SPRING, CABLE_DRAG,
+    LOAD_DEPENDENT_FRICTION, BACKLASH,
+    TORQUE_RIPPLE, TORQUE_SCALE,
+    TORQUE_SCALE_TEMPERATURE, TIME_DELAY)}
 
 # Effects that need temperatures; identification leaves them out when there are none.
-NEEDS_TEMPERATURE = frozenset({VISCOUS_TEMPERATURE.name, COULOMB_TEMPERATURE.name})
+NEEDS_TEMPERATURE = frozenset(e.name for e in EFFECTS.values() if 'warmth' in e.needs)
 
 # What `identify` declares unless --effects says otherwise; link_inertia is the rigid body's.
-DEFAULT_EFFECTS = ('link_inertia', *EFFECTS)
+DEFAULT_EFFECTS = ('link_inertia', *(e.name for e in EFFECTS.values() if e.default))
 
 __all__ = ['DEFAULT_EFFECTS', 'EFFECTS', 'NEEDS_TEMPERATURE', 'Effect', 'EffectInput', 'Shape']

@@ -12,7 +12,11 @@ class EffectInput:
     What the columns of an effect may depend on, (N, n) each.
 
     q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where
-    it is not measured; z: presliding state in [-1, 1] (presliding.py).
+    it is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
+    model needs them: gear [Nm]: torque through the gear, without friction and rotor; drive [Nm]:
+    torque of the drive as reported; rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]:
+    torque of turning gravity about the base's x and y; late(delays): torque of the drive so many
+    seconds ago less the torque now, (N, n) for a delay or delays (n,).
     """
 
     q: np.ndarray
@@ -20,11 +24,20 @@ class EffectInput:
     a: np.ndarray
     warmth: np.ndarray
     z: np.ndarray
+    gear: np.ndarray | None = None
+    drive: np.ndarray | None = None
+    rate: np.ndarray | None = None
+    tilt: np.ndarray | None = None
+    late: Callable | None = None
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A parameter the columns depend on nonlinearly: searched over `grid`, then kept."""
+    """
+    A parameter the columns depend on nonlinearly: searched over `grid`, then kept.
+
+    An empty grid: it is found from the residual (the period of a ripple).
+    """
 
     name: str
     unit: str
@@ -35,11 +48,15 @@ class Shape:
 @dataclass(frozen=True)
 class Effect:
     """
-    One physical effect of a single joint, linear in its parameters.
+    One physical effect, linear in its parameters.
 
     parameters: (name, unit) each; prior_std: the same number of fractions of the joint's
     maximum torque, per unit; columns(x, j, shape) -> (N, k) for joint j, where shape maps names
-    of `shapes` to values; for an array of m joints and arrays of values, (N, m, k). in_link_torque: whether a sensor behind the gear sees it.
+    of `shapes` to values; for an array of m joints and arrays of values, (N, m, k).
+    in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
+    function of, as a picture shows it. default: declared by `identify` unless told otherwise.
+    whole_arm: one set of parameters moves all joints. derived(values, shape) ->
+    {name: (value, unit)}: what an engineer calls the parameters, or None.
     """
 
     name: str
@@ -50,7 +67,18 @@ class Effect:
     columns: Callable
     shapes: tuple = ()
     in_link_torque: bool = False
+    against: str = 'velocity'
+    default: bool = False
+    whole_arm: bool = False
+    derived: Callable | None = None
+    # Fields of EffectInput, beside motion and friction state, that the columns read.
+    needs: frozenset = frozenset()
 
     def default_shape(self):
         """Return the mapping of shape names to defaults."""
         return {s.name: s.default for s in self.shapes}
+
+
+def amplitude_and_angle(sine, cosine):
+    """Return amplitude k and angle of rest q0 of k sin(q - q0) = sine sin q + cosine cos q."""
+    return np.hypot(sine, cosine), np.arctan2(-cosine, sine)

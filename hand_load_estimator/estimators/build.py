@@ -73,10 +73,11 @@ def build_pipeline(model_path, method='lstm', learned=None, robot_path=None):
 
     robot_path: robot file the model must belong to, by joints and effort kind, or None.
     """
-    model = read_model(find_shared(model_path, 'models'))
+    model_file = find_shared(model_path, 'models')
+    model = read_model(model_file)
     if robot_path is not None:
         _check_robot(model, model_path, load_robot(find_shared(robot_path, 'robots')))
     follower = ModelFollower(model)
     return Pipeline(model, follower,
                     build_method(model, follower.uncertainties, method, learned or None),
-                    determined_std(model.robot))
+                    determined_std(model.robot), model_file=model_file)

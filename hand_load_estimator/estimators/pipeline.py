@@ -4,6 +4,7 @@ import numpy as np
 
 from ..joint_stream import JointStream
 from ..load import LoadEstimate
+from ..residual.watch import ResidualWatch
 
 # Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
 MOTION_START = 0.05
@@ -17,17 +18,20 @@ class Pipeline:
 
     model: TorqueModel; method: a Method; determined_std: standard deviations of mass [kg],
     centre of mass [m] and inertia [kg m^2] below which a parameter counts as determined;
-    stale_after [s]: silence after which the estimate is stale.
+    stale_after [s]: silence after which the estimate is stale; model_file: Path the model was
+    read from, or None. watch: the ResidualWatch of the model.
     """
 
-    def __init__(self, model, follower, method, determined_std, stale_after=0.5):
-        self.model, self.method = model, method
+    def __init__(self, model, follower, method, determined_std, stale_after=0.5,
+                 model_file=None):
+        self.model, self.method, self.model_file = model, method, model_file
+        self.watch = ResidualWatch(model.robot.joints, model.residuals.intensity)
         self._follower = follower
         self._thresholds = np.repeat(determined_std, (1, 3, 6))
         self._stale_after = stale_after
         self._stream = JointStream(model.robot)
-        self._restarts = 0
-        self._began = False
+        self._began, self._unwatched = False, None
+        self._changes_before = 0
         self._estimate = None
         self.residual = np.full(model.robot.n, np.nan)
 
@@ -44,7 +48,7 @@ class Pipeline:
     @property
     def load_id(self):
         """Number of load changes seen."""
-        return self.method.changes
+        return self._changes_before + self.method.changes
 
     @property
     def tared_mass(self):
@@ -69,6 +73,7 @@ class Pipeline:
         sample = self._stream.joint_state(stamp, names, position, velocity, effort)
         if sample is None:
             return None
+        self._watch_residual()
         if sample.fresh:
             self._follower.restart()
             return None
@@ -76,12 +81,29 @@ class Pipeline:
         self.residual = prediction.difference
         self._began = self._began or self._moves(sample)
         belief = self.method.update(sample, prediction)
+        self._unwatched = sample, prediction
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
 
     def settle(self):
         """Do what the last estimate did not wait for."""
         self.method.settle()
+        self._watch_residual()
+
+    def _watch_residual(self):
+        if self._unwatched is not None:
+            self.watch.update(*self._unwatched, self.method)
+            self._unwatched = None
+
+    def take_over(self, other):
+        """
+        Go on where the Pipeline of another model of the same joints stops.
+
+        Input, its counts and the number of load changes go on; the load is to be found anew. What
+        tare declared zero counts again: the other model measured it, with the other's errors.
+        """
+        self._stream = other._stream
+        self._changes_before = other.load_id
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
@@ -97,6 +119,7 @@ class Pipeline:
     def reset(self):
         """Forget the load."""
         self.method.forget()
+        self.watch.forget_load()
         self._began, self._estimate = False, None
 
     def tare(self):

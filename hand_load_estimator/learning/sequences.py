@@ -40,7 +40,8 @@ class Sequence:
     motion (N, 3, n): q, v, a; difference (N, n) [Nm]; columns (N, n, d); warmth (N, n) [K],
     NaN without a sensor; z, doubt (N, n); load: message order (10,); begin: index of motion
     start; density (N, n) [Nm^2 s] as ModelFollower states it; level, rmse (n,) [Nm],
-    intensity (n,) [Nm^2 s]: friction level and residual of the model in use.
+    intensity (n,) [Nm^2 s]: friction level and residual of the model in use; severe: whether an
+    undeclared effect stands out.
     """
 
     motion: np.ndarray
@@ -55,6 +56,7 @@ class Sequence:
     level: np.ndarray
     rmse: np.ndarray
     intensity: np.ndarray
+    severe: np.ndarray
 
 
 class SequenceMaker:
@@ -80,7 +82,8 @@ class SequenceMaker:
                                    model.presliding_distance())
         warmth, measured = _warmths(rng, model, len(q))
         x = EffectInput(q, v, a, np.nan_to_num(measured), z)
-        columns = torque_columns(robot, model.layout, x)
+        columns = torque_columns(robot, model.layout, x, model.mean,
+                                 np.full(len(q), EVERY / RATE))
         load = random_load(rng, robot)
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
@@ -88,9 +91,10 @@ class SequenceMaker:
         difference += torque - _sliding_friction(model, x)
         difference += _temperature_error(model, x, warmth)
         difference += self._model_error(rng, actual, columns, x)
-        difference += disturbances(rng, q, v, columns @ model.mean + difference,
-                                   np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
-                                   EVERY / RATE)
+        undeclared, severe = disturbances(rng, q, v, columns @ model.mean + difference,
+                                          np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
+                                          EVERY / RATE)
+        difference += undeclared
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), x)
         level = model.friction_level()
@@ -101,7 +105,7 @@ class SequenceMaker:
             doubt=doubt, load=load.to_message(),
             begin=np.array(moving[0] if len(moving) else len(q) - 1),
             density=model.residuals.intensity + stuck_density(z, doubt, v, level),
-            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity))
+            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity, severe=np.array(severe)))
 
     def _model_error(self, rng, actual, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""
@@ -197,6 +201,8 @@ def _temperature_error(model, x, warmth):
     true = replace(x, warmth=warmth)
     out = np.zeros_like(x.q)
     for use, where in model.slices():
+        if use.effect.needs - {'warmth'}:
+            continue
         columns = effect_columns(true, use) - effect_columns(x, use)
         out[:, use.joint] += columns @ model.mean[where]
     return out

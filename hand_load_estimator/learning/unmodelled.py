@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects.friction import sign_of
+from ..effects.smooth_sign import sign_of
 from ..presliding import REST_SPEED
 
 
@@ -89,18 +89,22 @@ def smooth_curve(rng, x, scale):
     return np.sqrt(2.0 / 6.0) * np.sum(size * np.cos(np.multiply.outer(x, w) + phase), axis=-1)
 
 
+SEVERE = 0.1  # share of sequences in which undeclared effects stand out
+
+
 def disturbances(rng, q, v, torque, slow, dt):
     """
-    Return (N, n) [Nm]: effects nobody declared, each present in some sequences.
+    Return (N, n) [Nm]: effects nobody declared, each present in some sequences; and severity.
 
-    Mostly they are what stays hidden below the measured residual; in one sequence of ten they
-    stand out of it, because the next robot has one that its recordings did not show.
+    Mostly they are what stays hidden below the measured residual; in a SEVERE share of sequences
+    they stand out of it, because the next robot has one that its recordings did not show.
     torque (N, n): what the drives hold; slow (n,) [Nm]: RMS of the slow part of the measured
     residual; dt [s] of a row.
     """
     out = np.zeros_like(q)
     n = q.shape[1]
-    sizes = (0.0, 1.2) if rng.random() < 0.1 else (-1.5, -0.3)
+    severe = rng.random() < SEVERE
+    sizes = (0.0, 1.2) if severe else (-1.5, -0.3)
     for j in range(n):
         def strength(j=j):
             return slow[j] * 10.0 ** rng.uniform(*sizes)
@@ -121,7 +125,7 @@ def disturbances(rng, q, v, torque, slow, dt):
     if rng.random() < 0.2:  # effort late against position
         late = 4e-4 * rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(*sizes)
         out += late * np.gradient(torque, dt, axis=0)
-    return out
+    return out, severe
 
 
 def coloured_noise(rng, count, density, dt):

@@ -7,7 +7,8 @@ METHODS = ('lstm', 'bayes')
 ESTIMATOR_PARAMETERS = (
     Parameter('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
     Parameter('model', '', 'torque model file: a path or the short name of a shipped one; empty: '
-              'the shipped model named like the robot'),
+              'the shipped model named like the robot; a change is taken by ~/reload_model',
+              read_only=False),
     Parameter('method', 'lstm', 'estimator; a robot without a learned artefact uses bayes',
               choices=METHODS),
     Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one for the '

@@ -34,14 +34,17 @@ class Plant:
 
     start_temperature, ambient_temperature [degC] (None: the start temperature); effects: what
     read_effects returns; load: LoadParameters or None; rate [Hz] of `step` and of the sensors;
-    start_position (n,) [rad] (None: zero, or the middle of the range where zero is outside).
+    start_position (n,) [rad] (None: zero, or the middle of the range where zero is outside); run:
+    number that draws noise and state of rest anew, as another run of the same arm has them.
     The same arguments and calls give the same data. Raises ConfigurationError for effects that
     cannot be had.
     """
 
     def __init__(self, robot, seed=0, start_temperature=25.0, ambient_temperature=None,
-                 effects=(), load=None, rate=500.0, start_position=None, difficulty=DEFAULT):
-        draws, start, noise = (np.random.default_rng([seed, k]) for k in range(3))
+                 effects=(), load=None, rate=500.0, start_position=None, difficulty=DEFAULT,
+                 run=0):
+        draws, start, noise = (np.random.default_rng([seed, k, run * (k > 0)])
+                               for k in range(3))
         if ambient_temperature is None:
             ambient_temperature = start_temperature
         self.robot, self.rate = robot, float(rate)

@@ -1,0 +1,140 @@
+"""Which undeclared effects are tried: alone, in pairs, none at all, and some no model knows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import seeds
+from ..errors import ConfigurationError
+from ..plant import Plant
+from ..plant.effects_file import parse_effects
+from ..plant.hidden import EFFECTS
+
+SINGLE, PAIR, CLEAN, OUTSIDE = 'single', 'pair', 'clean', 'outside'
+# Effects of the plant that no model knows, and words for the variables they depend on.
+NOT_IN_VOCABULARY = {'speed_resonance_friction': ('velocity', 'speed'),
+                     'swinging_load': ('acceleration', 'time')}
+CONTACT = 'external_contact'
+STRENGTHS = (0.5, 2.0, 5.0)
+MEDIUM = 2.0             # from here on the goals count
+REPEATS = 2
+PAIRS, PAIR_STRENGTH = 12, 3.0
+OUTSIDE_STRENGTH = 3.0
+PLANTS = 20
+# Plants and loads of this suite lie behind those of the base suite.
+_BENCHMARK = seeds.BENCHMARK_PLANTS[100:100 + PLANTS]
+_DEVELOPMENT = seeds.DEVELOPMENT_PLANTS[40:40 + PLANTS]
+_FIRST_LOAD = 50_000
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """An effect to hide: name, strength, joint indices in the order they are tried (or none)."""
+
+    name: str
+    strength: float
+    joints: tuple = ()
+
+
+@dataclass(frozen=True)
+class EffectCase:
+    """One diagnosis: kind, plant seed, what is hidden in the plant."""
+
+    kind: str
+    plant: int
+    hidden: tuple = ()
+
+    @property
+    def label(self):
+        """A name of its own, fit for a file."""
+        parts = [f'{h.name}_{h.strength:g}' for h in self.hidden]
+        return '-'.join([self.kind, *parts, str(self.plant)])
+
+
+def suite_cases(robot, development=False):
+    """
+    Return all EffectCases for a robot, those of one plant together.
+
+    development: the same on plants and loads that are for looking and choosing.
+    """
+    plants = _DEVELOPMENT if development else _BENCHMARK
+    cases = [*_singles(robot, plants), *_pairs(robot, plants), *_outside(robot, plants),
+             *(EffectCase(CLEAN, plant) for plant in plants)]
+    return sorted(cases, key=lambda case: case.plant)
+
+
+def _singles(robot, plants):
+    names = [name for name in EFFECTS if name not in NOT_IN_VOCABULARY]
+    wanted = [(name, strength) for name in names for strength in STRENGTHS
+              for _ in range(REPEATS)]
+    return [_single(SINGLE, robot, plants[k % len(plants)], name, strength, k)
+            for k, (name, strength) in enumerate(wanted)]
+
+
+def _outside(robot, plants):
+    wanted = [name for name in NOT_IN_VOCABULARY for _ in range(REPEATS)]
+    return [_single(OUTSIDE, robot, plants[k], name, OUTSIDE_STRENGTH, k)
+            for k, name in enumerate(wanted)]
+
+
+def _single(kind, robot, plant, name, strength, k):
+    rng = np.random.default_rng([plant, k])
+    return EffectCase(kind, plant, (Hidden(name, strength, _joints(robot, name, rng)),))
+
+
+def _joints(robot, name, rng):
+    if not EFFECTS[name].per_joint:
+        return ()
+    return tuple(int(j) for j in rng.permutation(robot.n))
+
+
+def _pairs(robot, plants):
+    names = [name for name, effect in EFFECTS.items()
+             if effect.per_joint and name not in NOT_IN_VOCABULARY]
+    out = []
+    for plant in plants[:PAIRS]:
+        rng = np.random.default_rng([plant, PAIRS])
+        chosen = rng.choice(names, 2, replace=False)
+        out.append(EffectCase(PAIR, plant, tuple(
+            Hidden(str(name), PAIR_STRENGTH, _joints(robot, name, rng)) for name in chosen)))
+    return out
+
+
+def place(robot, case):
+    """
+    Return the entries of an effects file for a case, each effect on a joint of its own.
+
+    The first joint in order on which the effect can be so strong is taken; raises
+    ConfigurationError when there is none.
+    """
+    entries = []
+    for hidden in case.hidden:
+        entries.append(_entry(robot, case.plant, hidden, entries))
+    return entries
+
+
+def _entry(robot, plant, hidden, others):
+    entry = {'name': hidden.name, 'strength': hidden.strength}
+    if not hidden.joints:
+        return entry
+    taken = [joint for other in others for joint in other.get('joints', ())]
+    for joint in hidden.joints:
+        if robot.joints[joint] in taken:
+            continue
+        placed = {**entry, 'joints': [robot.joints[joint]]}
+        try:
+            Plant(robot, seed=plant, effects=parse_effects([placed], robot))
+        except ConfigurationError:
+            continue
+        return placed
+    raise ConfigurationError(f'plant {plant}', f'{hidden.name} cannot be so strong on any joint',
+                             hidden.strength)
+
+
+def load_seeds(plant, count):
+    """Return `count` seeds of loaded runs for a plant of this suite; other plants', others."""
+    benchmark = plant in seeds.BENCHMARK_PLANTS
+    own = seeds.BENCHMARK_CASES if benchmark else seeds.DEVELOPMENT_CASES
+    plants = seeds.BENCHMARK_PLANTS if benchmark else seeds.DEVELOPMENT_PLANTS
+    first = _FIRST_LOAD + count * plants.index(plant)
+    return own[first:first + count]

@@ -1,0 +1,60 @@
+"""How far a torque model is off: in torque without load, in mass on loaded runs."""
+
+import numpy as np
+
+from ..estimators.bayes import Bayes
+from ..motion import MotionSample
+from ..torque_model import ModelFollower
+from .cases import motion_start
+from .measure import Contestant
+
+MOVING = 0.02            # [rad/s] a joint that stands tells little of its torque
+MASS_TIME = 3.0          # [s] after motion start
+MASS_MOMENTS = (f'{MASS_TIME:g} s', 'end')
+
+
+def torque_rmse(model, evidence):
+    """Return the RMS (n,) [Nm] of what a TorqueModel leaves of moving joints' torque."""
+    total, count = np.zeros(model.robot.n), np.zeros(model.robot.n)
+    for recording in evidence:
+        difference = _differences(model, recording.motion)
+        moving = np.abs(recording.motion.v) > MOVING
+        total += np.sum(moving * difference ** 2, axis=0)
+        count += moving.sum(axis=0)
+    return np.sqrt(total / np.maximum(count, 1))
+
+
+def _differences(model, motion):
+    """Return tau_real - tau_mdl (N, n) along a Motion, as it is followed at run time."""
+    follower = ModelFollower(model)
+    rows = zip(motion.stamp, motion.dt, motion.q, motion.v, motion.a, motion.effort,
+               motion.temperature)
+    return np.array([follower.update(MotionSample(*row, False)).difference for row in rows])
+
+
+def mass_errors(model, loaded):
+    """
+    Return {moment: errors [kg]} of method `bayes` on (Case, MotionSamples) pairs.
+
+    Runs in which nothing moves are left out.
+    """
+    out = {moment: [] for moment in MASS_MOMENTS}
+    for case, samples in loaded:
+        start = motion_start(model.robot, samples)
+        if start is None:
+            continue
+        for moment, mass in zip(MASS_MOMENTS, _masses(model, samples, start + MASS_TIME)):
+            out[moment].append(mass - case.load.mass)
+    return out
+
+
+def _masses(model, samples, due):
+    """Return the mass [kg] believed at a stamp [s] and at the end."""
+    contestant = Contestant(model, lambda follower: Bayes(model, follower.uncertainties))
+    then = None
+    for sample in samples:
+        belief = contestant.update(sample)
+        if then is None and sample.stamp >= due - 1e-9:
+            then = belief.mean[0]
+    last = float(belief.mean[0])
+    return (last if then is None else float(then)), last

@@ -1,0 +1,100 @@
+"""What a diagnosis came to: each hidden effect found, named beside, confused, or missed."""
+
+from ..residual.diagnosis import CONFIRMED, UNKNOWN
+from .effect_cases import CONTACT, NOT_IN_VOCABULARY, OUTSIDE
+
+FOUND = 'found'
+BOTH = 'both named'                # of a set that recordings may not tell apart, with advice
+EXCLUDED = 'excluded'              # a contact that no effect of the model was made of
+WRONG_JOINT = 'wrong joint'
+OTHER_VARIABLES = 'other variables'
+ALTERNATIVE = 'alternative only'
+SUSPECTED = 'suspected'
+CONFUSED = 'confused'
+MISSED = 'missed'
+RIGHT = (FOUND, BOTH, EXCLUDED)
+# Sets of section 4 of the design.
+INSEPARABLE = (
+    {'gravity_spring', 'link_inertia'}, {'gravity_spring', 'cable_drag'},
+    {'presliding_hysteresis', 'stribeck_friction'},
+    {'temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'},
+    {'base_tilt', 'link_inertia'})
+
+
+def judge(result):
+    """
+    Return ([outcome per hidden effect], [names of confirmed findings that none of them explains]).
+
+    An outcome is {name, strength, outcome, joint_right}; a case that failed missed everything.
+    """
+    findings = result.get('findings', [])
+    claimed = {k for effect in result['effects'] for k, finding in enumerate(findings)
+               if _belongs(finding, effect, result['kind'])}
+    false = [f['name'] for k, f in enumerate(findings)
+             if f['verdict'] == CONFIRMED and k not in claimed]
+    outcomes = [{'name': effect['name'], 'strength': effect['strength'],
+                 'outcome': _outcome(effect, findings, result['kind'], false),
+                 'joint_right': _joint_right(effect, findings)} for effect in result['effects']]
+    return outcomes, false
+
+
+def _here(finding, effect):
+    """Tell whether a finding speaks of the effect's joint; arm-wide ones speak of every joint."""
+    return (not effect['joints'] or not finding['joints']
+            or bool(set(effect['joints']) & set(finding['joints'])))
+
+
+def _both_named(finding, name):
+    return (name in finding['alternatives'] and bool(finding['advice'])
+            and any({finding['name'], name} <= group for group in INSEPARABLE))
+
+
+def _belongs(finding, effect, kind):
+    """Tell whether a finding is about a hidden effect, and no false one."""
+    if not _here(finding, effect):
+        return False
+    if kind == OUTSIDE:
+        return finding['name'] == UNKNOWN
+    return finding['name'] == effect['name'] or _both_named(finding, effect['name'])
+
+
+def _joint_right(effect, findings):
+    """Return whether any confirmed finding is at the effect's joint; None for the whole arm."""
+    if not effect['joints']:
+        return None
+    return any(f['verdict'] == CONFIRMED and _here(f, effect) for f in findings)
+
+
+def _outcome(effect, findings, kind, false):
+    if kind == OUTSIDE:
+        return _outside(effect, findings, false)
+    if effect['name'] == CONTACT:
+        return _contact(findings, false)
+    name, confirmed = effect['name'], [f for f in findings if f['verdict'] == CONFIRMED]
+    here = [f for f in confirmed if _here(f, effect)]
+    tests = (
+        (FOUND, any(f['name'] == name for f in here)),
+        (BOTH, any(_both_named(f, name) for f in here)),
+        (WRONG_JOINT, any(f['name'] == name for f in confirmed)),
+        (ALTERNATIVE, any(name in f['alternatives'] for f in here)),
+        (SUSPECTED, any(f['name'] == name and _here(f, effect) for f in findings)),
+        (CONFUSED, bool(false)))
+    return next((outcome for outcome, holds in tests if holds), MISSED)
+
+
+def _outside(effect, findings, false):
+    """Judge an effect that no model knows: `unknown`, with one of its variables named."""
+    unknown = [f for f in findings if f['name'] == UNKNOWN and _here(f, effect)]
+    words = NOT_IN_VOCABULARY[effect['name']]
+    if any(word in ' '.join(f['variables']).lower() for f in unknown for word in words):
+        return CONFUSED if false else FOUND
+    if unknown:
+        return OTHER_VARIABLES
+    return CONFUSED if false else MISSED
+
+
+def _contact(findings, false):
+    """Judge a contact: named, or at least not taken for an effect of the model."""
+    if false:
+        return CONFUSED
+    return FOUND if any(f['name'] == CONTACT for f in findings) else EXCLUDED

@@ -1,0 +1,73 @@
+"""What is recorded of a plant: without load to diagnose and to test, with known loads to judge."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..identification import identify, prepare
+from ..load import LoadParameters
+from ..motion import Motion
+from ..robot import load_robot
+from ..simulate_motions import named_motion
+from .cases import simulated, case_samples, draw_case, identification_evidence
+from .effect_cases import load_seeds
+from .effect_errors import mass_errors, torque_rmse
+
+# Motion, temperature [degC], seconds. The new arm was seen in these motions at the other's
+# temperatures (cases.IDENTIFICATION), and in other draws of them.
+DIAGNOSED = (('pick_place', 15.0, 44.0), ('excite', 25.0, 44.0), ('pick_place', 36.0, 44.0),
+             ('excite', 50.0, 44.0))
+TESTED = (('excite', 20.0, 20.0), ('pick_place', 42.0, 20.0))
+LOADED = 6
+# identification_evidence draws its motions from seeds 10 x plant and the next three.
+_FIRST_MOTION = 4
+
+
+@dataclass(frozen=True)
+class Recordings:
+    """evidence, test: Evidence without load; loaded: (Case, MotionSamples) with known loads."""
+
+    evidence: tuple
+    test: tuple
+    loaded: tuple
+
+
+@dataclass(frozen=True)
+class NewArm:
+    """
+    A plant before anything happened to it: its model, and the errors that model makes on it.
+
+    torque (n,) [Nm]; mass: errors [kg] as of mass_errors.
+    """
+
+    model: object
+    torque: np.ndarray
+    mass: dict
+
+
+def record(robot, plant, effects=()):
+    """Return the Recordings of a plant with hidden effects (EffectRequests)."""
+    parts = [_evidence(robot, plant, k, *part, effects)
+             for k, part in enumerate(DIAGNOSED + TESTED)]
+    drawn = [draw_case(robot, plant, seed) for seed in load_seeds(plant, LOADED)]
+    return Recordings(tuple(parts[:len(DIAGNOSED)]), tuple(parts[len(DIAGNOSED):]),
+                      tuple((case, case_samples(robot, case, effects)) for case in drawn))
+
+
+def _evidence(robot, plant, k, name, temperature, seconds, effects):
+    motion = named_motion(name, robot, seconds, 1.0, 10 * plant + _FIRST_MOTION + k)
+    samples = simulated(robot, motion, seed=plant, run=_FIRST_MOTION + k,
+                        start_temperature=temperature, effects=effects)
+    label = f'plant {plant}, {name} at {temperature:g} degC, {k + 1}'
+    return prepare(robot, label, Motion.of(samples), LoadParameters())
+
+
+# Cases come plant by plant: a worker needs the last plant's arm, seldom the one before.
+@lru_cache(maxsize=2)
+def new_arm(robot_path, plant):
+    """Return the NewArm of a plant seed."""
+    robot = load_robot(robot_path)
+    model = identify(robot, identification_evidence(robot, plant))
+    without = record(robot, plant)
+    return NewArm(model, torque_rmse(model, without.test), mass_errors(model, without.loaded))

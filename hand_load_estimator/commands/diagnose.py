@@ -1,0 +1,70 @@
+"""`hand_load diagnose`: find what a torque model lacks, add it, report before and after."""
+
+import json
+from pathlib import Path
+import sys
+
+from .recording_arguments import add_recording_arguments, topics
+
+EXAMPLE = 'hand_load diagnose run1 run2 --model model.yaml --out diagnosis --test run3'
+
+
+def add_arguments(parser):
+    """Declare the arguments."""
+    parser.add_argument('recordings', nargs='+', metavar='BAG',
+                        help='recordings without load or with a known one')
+    parser.add_argument('--model', required=True, metavar='MODEL.yaml', help='torque model file')
+    parser.add_argument('--out', required=True, metavar='DIR',
+                        help='folder for report.html, report.json and model.yaml')
+    parser.add_argument('--test', nargs='+', default=[], metavar='BAG',
+                        help='recordings used only for the errors before and after; those with a '
+                             'known load also for the error of the load estimate')
+    parser.add_argument('--load', metavar='none|L.yaml', default=None,
+                        help='load in all recordings but those to test on; without it each '
+                             'load.yaml says')
+    parser.add_argument('--json', action='store_true', help='print report.json')
+    add_recording_arguments(parser)
+
+
+def run(args):
+    """Diagnose, write report and model, say what was found."""
+    from ..load_file import load_of_argument
+    from ..model_file import read_model, write_model
+    from ..report.diagnosis_json import diagnosis_content
+    from ..report.diagnosis_page import headline, write_page
+    from ..residual.diagnose import diagnose
+    from ..residual.load_error import with_load_errors
+    from ..shared_files import find_shared
+    from .identify import placed
+    model = read_model(find_shared(args.model, 'models'))
+    given = placed(*load_of_argument(args.load), args.load) if args.load else None
+    evidence = [_read(model, path, args, given)[0] for path in args.recordings]
+    tests = [_read(model, path, args, None) for path in args.test]
+    diagnosis, better = diagnose(model, evidence, [e for e, _, _ in tests], _say)
+    diagnosis = with_load_errors(diagnosis, model, better, tests)
+    out = Path(args.out)
+    out.mkdir(parents=True, exist_ok=True)
+    content = diagnosis_content(diagnosis)
+    write_model(out / 'model.yaml', better)
+    (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
+    write_page(out / 'report.html', diagnosis)
+    print(json.dumps(content) if args.json else f'{headline(diagnosis)}\n{out / "report.html"}')
+    return 0
+
+
+def _read(model, path, args, given):
+    """Return (Evidence, Recording, known load) of one recording."""
+    from ..identification import prepare
+    from ..joint_stream import motion_of
+    from ..recording import read_recording
+    from .identify import known_load
+    recording = read_recording(path, **topics(args))
+    load = given if given is not None else known_load(recording)
+    motion, rejected = motion_of(model.robot, recording)
+    evidence = prepare(model.robot, Path(path).name, motion, load)
+    _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
+    return evidence, recording, load
+
+
+def _say(text):
+    print(text, file=sys.stderr, flush=True)

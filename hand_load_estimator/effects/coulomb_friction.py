@@ -1,0 +1,13 @@
+"""Friction of constant size."""
+
+from .effect import Effect
+from .smooth_sign import sign_of
+
+
+def _columns(x, j, _):
+    return sign_of(x.v[:, j])[..., None]
+
+
+COULOMB_FRICTION = Effect(
+    'coulomb_friction', 'constant against the motion', 'Coulomb 1785', (('level', 'Nm'),), (0.1,),
+    _columns, default=True)

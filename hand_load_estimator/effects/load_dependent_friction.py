@@ -1,0 +1,16 @@
+"""Friction that grows with the torque of the gear."""
+
+import numpy as np
+
+from .effect import Effect
+from .smooth_sign import sign_of
+
+
+def _columns(x, j, _):
+    return (np.abs(x.gear[:, j]) * sign_of(x.v[:, j]))[..., None]
+
+
+LOAD_DEPENDENT_FRICTION = Effect(
+    'load_dependent_friction', 'tooth friction grows with the torque the gear carries',
+    'Hamon et al. 2010', (('coefficient', '-'),), (5e-4,), _columns, against='gear torque',
+    needs=frozenset({'gear'}))

@@ -1,0 +1,15 @@
+"""Friction before a joint has really moved."""
+
+from .effect import Effect, Shape
+from .smooth_sign import sign_of
+
+
+def _columns(x, j, _):
+    return (x.z[:, j] - sign_of(x.v[:, j]))[..., None]
+
+
+PRESLIDING_HYSTERESIS = Effect(
+    'presliding_hysteresis', 'friction turns over a short travel after a reversal', 'Dahl 1968',
+    (('level', 'Nm'),), (0.1,), _columns,
+    (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3)),),
+    against='travel since reversal', default=True)

@@ -1,0 +1,68 @@
+"""A diagnosis as plain JSON content: schema hand_load/diagnosis/1 (DESIGN.md section 4)."""
+
+import math
+
+SCHEMA = 'hand_load/diagnosis/1'
+
+
+def _number(value):
+    """Return a float, or None where the value is missing, NaN or infinite."""
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def _numbers(values):
+    return [_number(value) for value in values]
+
+
+def _parameters(parameters):
+    return {name: {'mean': _number(mean), 'std': _number(std), 'unit': unit}
+            for name, (mean, std, unit) in parameters.items()}
+
+
+def _evidence(evidence):
+    return {'gain': _number(evidence.gain), 'gain_std': _number(evidence.gain_std),
+            'needed': _number(evidence.needed), 'blocks': int(evidence.blocks),
+            'hypotheses': int(evidence.hypotheses), 'rms': _number(evidence.rms),
+            'next_best': evidence.next_best, 'margin': _number(evidence.margin)}
+
+
+def _effect(finding):
+    return {'name': finding.name, 'joints': list(finding.joints),
+            'parameters': _parameters(finding.parameters),
+            'explained': _numbers(finding.explained),
+            'evidence': _evidence(finding.evidence),
+            'alternatives': list(finding.alternatives), 'verdict': finding.verdict,
+            'advice': finding.advice, 'changed': bool(finding.changed)}
+
+
+def _one_load_error(error):
+    return {'mass_rmse': _number(error.mass_rmse), 'com_rmse': _number(error.com_rmse),
+            'n': int(error.n)}
+
+
+def _load_error(diagnosis):
+    """Return the keys about load estimates: an error needs both sides to mean something."""
+    if diagnosis.load_before is None or diagnosis.load_after is None:
+        return {'load_error': None, 'load_error_reason': diagnosis.load_reason}
+    return {'load_error': {'before': _one_load_error(diagnosis.load_before),
+                           'after': _one_load_error(diagnosis.load_after)}}
+
+
+def diagnosis_content(diagnosis):
+    """
+    Return a Diagnosis as a dict of plain JSON values.
+
+    Torques [Nm], mass_rmse [kg], com_rmse [m], gains [nats], lists per joint in the order of
+    `joints`; a number that is not known is None. `load_error_reason` is there when `load_error`
+    is None.
+    """
+    return {
+        'schema': SCHEMA, 'robot': diagnosis.robot, 'joints': list(diagnosis.joints),
+        'before': {'torque_rmse': _numbers(diagnosis.before)},
+        'after': {'torque_rmse': _numbers(diagnosis.after)},
+        'noise_floor': _numbers(diagnosis.noise_floor),
+        'effects': [_effect(finding) for finding in diagnosis.findings],
+        'unexplained': _numbers(diagnosis.unexplained), **_load_error(diagnosis),
+        'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
+        'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
+        'seconds': _number(diagnosis.seconds)}

@@ -1,0 +1,359 @@
+"""A diagnosis as one self-contained HTML page, for a phone, a desk and a printer."""
+
+import base64
+import datetime
+import math
+import re
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from .. import __version__
+from ..effects import EFFECTS
+from ..residual.diagnosis import CONFIRMED, UNKNOWN
+from .diagnosis_figures import effect_svg, errors_svg
+
+# Structure below this share of the residual variance is told as nothing of weight.
+_WEIGHTY = 0.05
+_STYLE = '''
+:root { color-scheme: light }
+body { font: 1.0625rem/1.5 system-ui, sans-serif; max-width: 44rem; margin: 0 auto;
+       padding: 1rem; color: #1a1a1a; background: #fff; overflow-wrap: break-word }
+h1 { font-size: 1.55rem; line-height: 1.25; margin: .2em 0 .5em }
+h2 { font-size: 1.3rem; line-height: 1.3; margin: 1.8em 0 .4em; padding-top: .5em;
+     border-top: 1px solid #bbb }
+h3 { font-size: 1.0625rem; margin: 1.2em 0 .2em }
+h1, h2, h3 { break-after: avoid }
+.scroll { overflow-x: auto }
+table { border-collapse: collapse; font-size: 1rem; line-height: 1.3;
+        font-variant-numeric: tabular-nums }
+th, td { padding: .35em .5em; border-bottom: 1px solid #ddd; text-align: right;
+         overflow-wrap: normal; vertical-align: bottom }
+th { font-weight: 600 }
+th:first-child, td:first-child { text-align: left; padding-left: 0 }
+tr, figure, .note { break-inside: avoid }
+figure { margin: 1em 0 }
+figure img { display: block; width: 100%; max-width: 28rem; height: auto }
+.pictures { display: grid; gap: 0 1.5rem;
+            grid-template-columns: repeat(auto-fit, minmax(min(100%, 19rem), 1fr)) }
+.badge { display: inline-block; font-size: 1rem; font-weight: 600; line-height: 1.4;
+         padding: 0 .5em; border: 2px solid; border-radius: .3em; white-space: nowrap }
+.confirmed { color: #17652f } .suspected { color: #8a5300 } .changed { color: #1f4f8a }
+.note { border-left: 4px solid #8a5300; padding: .1em 0 .1em .8em; margin: 1em 0 }
+ul { padding-left: 1.2em } li { margin: .3em 0 }
+.quiet { color: #555; font-size: 1rem }
+a { color: #1f4f8a }
+@media print {
+  @page { margin: 16mm }
+  body { font-size: 10.5pt; max-width: none; padding: 0 }
+  table, .badge, .quiet { font-size: 10pt }
+  a { color: inherit; text-decoration: none }
+  .scroll { overflow: visible }
+  figure img { max-width: 125mm }
+}
+'''
+# Findings that are no entry of the vocabulary of joint effects.
+_PHYSICS = {
+    UNKNOWN: 'None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
+             'it repeats with the variables shown below. A person who knows the drive should '
+             'look at the picture before anything is added to the model.',
+    'link_inertia': 'Mass, centre of mass or inertia of a link differ from the model\'s.',
+    'external_contact': 'Something outside pushed the arm for a limited time.',
+    'load_change': 'The load on the hand changed during a recording.'}
+
+
+def _figure(number):
+    """Return a number to three significant digits, `not known` for None and NaN."""
+    if number is None or not math.isfinite(number):
+        return 'not known'
+    if abs(number) >= 999.5:
+        return f'{number:.0f}'.replace('-', '−')
+    text = f'{number:#.3g}'.rstrip('.') if abs(number) >= 1e-3 else f'{number:.2g}'
+    return text.replace('-', '−')
+
+
+def _share(fraction):
+    if not math.isfinite(fraction):
+        return 'not known'
+    if 0.0 < fraction < 0.01:
+        return '&lt; 1 %'
+    return f'{round(100.0 * fraction)} %'.replace('-', '−')
+
+
+def _rounded(mean, width):
+    """Return mean ± width to the digits the width leaves, scaled where zeros would crowd it."""
+    largest = max(abs(mean), width)
+    power = math.floor(math.log10(largest)) if largest > 0.0 else 0
+    power = 0 if -3 <= power < 5 else power
+    mean, width = mean / 10.0 ** power, width / 10.0 ** power
+    size, wanted = (width, 1) if width > 0.0 else (abs(mean), 3)
+    digits = max(0, wanted - math.floor(math.log10(size))) if size > 0.0 else 0
+    text = f'{mean:.{digits}f}' + (f' ± {width:.{digits}f}' if width > 0.0 else '')
+    text = text.replace('-', '−')
+    return f'({text})·10<sup>{power}</sup>'.replace('-', '−') if power else text
+
+
+def _quantity(mean, std, unit):
+    """Return HTML for mean ± 2 std and unit; angles also in degrees."""
+    if not math.isfinite(mean):
+        return 'not known'
+    width = 2.0 * std if std is not None and math.isfinite(std) else 0.0
+    unit_html = re.sub(r'\^(-?\d+)', r'<sup>\1</sup>', escape(unit)) if unit != '-' else ''
+    text = f'{_rounded(mean, width)} {unit_html}'
+    if unit == 'rad':
+        text += f' ({_rounded(math.degrees(mean), math.degrees(width))}°)'
+    return text if width else text + ', no interval'
+
+
+def _name(name):
+    """Return an effect's or parameter's name as words; a joint in brackets keeps its name."""
+    words, bracket, joint = name.partition(' (')
+    return words.replace('_', ' ') + bracket + joint
+
+
+def _sentence(text):
+    """Return a text with its first letter large."""
+    return text[:1].upper() + text[1:]
+
+
+def _label(name):
+    """Return a joint's name as HTML that a narrow column may break."""
+    return escape(name).replace('_', '_<wbr>')
+
+
+def _list(names):
+    names = list(names)
+    return ', '.join(names[:-1]) + ' and ' + names[-1] if len(names) > 1 else ''.join(names)
+
+
+def _where(finding, joints):
+    """Return the joints of a finding as the subject of a sentence."""
+    if len(finding.joints) == 1:
+        return f'Joint {finding.joints[0]}'
+    if set(finding.joints) == set(joints):
+        return 'All joints'
+    return f'Joints {_list(finding.joints)}' if len(finding.joints) < 4 else \
+        f'{len(finding.joints)} joints'
+
+
+def _what(finding):
+    name = 'an effect of unknown kind' if finding.name == UNKNOWN else _name(finding.name)
+    sure = finding.verdict == CONFIRMED
+    if finding.changed:
+        return f'{name} {"has" if sure else "may have"} changed'
+    return f'{name} {"found" if sure else "suspected"}'
+
+
+def _strongest(finding, joints):
+    """Return the index of the joint whose residual the finding explains best."""
+    own = np.array([name in finding.joints for name in joints])
+    return int(np.argmax(np.where(own, np.nan_to_num(finding.explained), -1.0)))
+
+
+def _nothing(diagnosis):
+    """Return the headline of a diagnosis without findings."""
+    left = np.nan_to_num(diagnosis.unexplained)
+    if left.max() >= _WEIGHTY:
+        return (f'No effect named, but the torque model does not fit {diagnosis.robot}: '
+                f'look at joint {diagnosis.joints[int(left.argmax())]}')
+    if not np.isfinite(diagnosis.unexplained).all():
+        return (f'No effect found; these recordings cannot tell whether the torque model fits '
+                f'{diagnosis.robot}')
+    return f'No missing effect found: the torque model fits {diagnosis.robot}'
+
+
+def headline(diagnosis):
+    """Return the result in one plain-text sentence: where, what, torque error before, after."""
+    findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
+    if not findings:
+        return _nothing(diagnosis)
+    first = findings[0]
+    j = _strongest(first, diagnosis.joints)
+    of = '' if len(first.joints) == 1 else f' of {diagnosis.joints[j]}'
+    before, after = _figure(diagnosis.before[j]), _figure(diagnosis.after[j])
+    error = f'stays {after}' if before == after else f'{before} → {after}'
+    return f'{_where(first, diagnosis.joints)}: {_what(first)}, torque error{of} {error} Nm'
+
+
+def _badges(finding):
+    badges = [finding.verdict] + ['changed'] * finding.changed
+    return ' '.join(f'<span class="badge {escape(b)}">{escape(b)}</span>' for b in badges)
+
+
+def _list_of(items):
+    return '<ul>' + ''.join(f'<li>{item}</li>' for item in items) + '</ul>'
+
+
+def _table(head, rows):
+    """Return an HTML table that scrolls on its own; head and rows are HTML cells."""
+    top = ''.join(f'<th scope="col">{cell}</th>' for cell in head)
+    body = ''.join('<tr>' + ''.join(f'<td>{cell}</td>' for cell in row) + '</tr>'
+                   for row in rows)
+    return (f'<div class="scroll"><table><thead><tr>{top}</tr></thead>'
+            f'<tbody>{body}</tbody></table></div>')
+
+
+def _image(svg, text):
+    """Return a figure with its SVG inside; as an image, so that ids of figures never meet."""
+    data = base64.b64encode(svg.encode()).decode()
+    return (f'<figure><img src="data:image/svg+xml;base64,{data}" '
+            f'alt="{escape(text)}"></figure>')
+
+
+def _summary(diagnosis):
+    """Return the findings in short, each linked to its section."""
+    return _list_of(f'{_badges(f)} <a href="#effect-{k}">'
+                    f'{escape(_where(f, diagnosis.joints))}: {escape(_what(f))}</a>'
+                    for k, f in enumerate(diagnosis.findings, 1))
+
+
+def _errors(diagnosis):
+    rows = [[_label(name), _figure(before), _figure(after), _figure(floor), _share(left)]
+            for name, before, after, floor, left in zip(
+                diagnosis.joints, diagnosis.before, diagnosis.after, diagnosis.noise_floor,
+                diagnosis.unexplained)]
+    same = '' if diagnosis.findings else ' Nothing was added, so before and after are the same.'
+    tested = (f'Measured on <strong>{escape(diagnosis.tested_on)}</strong>, '
+              if diagnosis.tested_on else 'Measured on data ')
+    return (
+        '<h2>Torque error per joint</h2>'
+        f'<p>{tested}never used for fitting or choosing.{same}</p>'
+        + _image(errors_svg(diagnosis), 'Torque error per joint before and after, with its noise '
+                 'floor; the figures are in the table below')
+        + _table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise floor<br>[Nm]',
+                  'unex&shy;plained'], rows)
+        + '<p class="quiet">Before and after: root mean square of measured less modelled torque. '
+        'Noise floor: what a perfect model would leave. Unexplained: share of the remaining '
+        'error\'s variance that repeats, so is no noise, and that no effect explains.</p>')
+
+
+def _load(diagnosis):
+    before, after = diagnosis.load_before, diagnosis.load_after
+    top = '<h2>Error of the load estimate</h2>'
+    if before is None or after is None:
+        reason = f': {diagnosis.load_reason.rstrip(".")}' if diagnosis.load_reason else ''
+        return f'{top}<p>Not known{escape(reason)}.</p>'
+    rows = [['mass [kg]', _figure(before.mass_rmse), _figure(after.mass_rmse)]]
+    if before.com_rmse is not None and after.com_rmse is not None:
+        rows.append(['centre of mass [mm]', _figure(1e3 * before.com_rmse),
+                     _figure(1e3 * after.com_rmse)])
+    count = f'{after.n} loaded recording{"s" * (after.n != 1)}'
+    return (f'{top}<p>Root mean square over {count} with known loads.</p>'
+            + _table(['', 'before', 'after'], rows))
+
+
+def _physics(finding):
+    """Return what the effect is and where its formula comes from."""
+    effect = EFFECTS.get(finding.name)
+    if effect is not None:
+        text = (f'{escape(_sentence(effect.physics))}. '
+                f'<span class="quiet">Source: {escape(effect.source)}.</span>')
+    else:
+        text = escape(_PHYSICS.get(finding.name, ''))
+    if finding.changed:
+        text += ' The model had this effect already; the figures below replace its former ones.'
+    if finding.name == UNKNOWN and finding.pictures:
+        seen = dict.fromkeys(f'{p.variable} at {p.joint}' for p in finding.pictures)
+        text += f' It depends on {escape(_list(seen))}.'
+    return f'<p>{text}</p>' if text else ''
+
+
+def _parameters(finding):
+    rows = [[_label(_name(name)), _quantity(*figures)]
+            for name, figures in finding.parameters.items()]
+    return _table(['parameter', 'value ± 2 standard deviations'], rows) if rows else ''
+
+
+def _pictures(finding):
+    images = [_image(effect_svg(p), f'Residual torque of {p.joint} in Nm against {p.variable}, '
+                     'with the fitted effect and its 95 % band') for p in finding.pictures]
+    return f'<div class="pictures">{"".join(images)}</div>' if images else ''
+
+
+def _evidence(finding, joints):
+    e = finding.evidence
+    shares = [f'{_share(s)} at {_label(name)}' for name, s in zip(joints, finding.explained)
+              if name in finding.joints]
+    rival = 'No other explanation came close enough to be named.'
+    if e.next_best is not None:
+        behind = f', {_figure(e.margin)} nats behind' if e.margin is not None else ''
+        rival = f'Next best explanation: {escape(_name(e.next_best))}{behind}.'
+    return '<h3>Evidence</h3>' + _list_of([
+        f'On data not used for its fit the model with it gains <strong>{_figure(e.gain)} ± '
+        f'{_figure(2.0 * e.gain_std)} nats</strong> of log-likelihood (± 2 standard errors over '
+        f'{e.blocks} blocks). Needed: {_figure(e.needed)} nats, with {e.hypotheses} hypotheses '
+        'tried.', rival,
+        f'Share of the residual\'s variance it explains: {_list(shares)}. '
+        f'Its torque: {_figure(e.rms)} Nm RMS at the strongest joint.'])
+
+
+def _doubt(finding):
+    """Return what these recordings cannot tell from the finding, and the motion that would."""
+    if not finding.alternatives and not finding.advice:
+        return ''
+    names = escape(_list(map(_name, finding.alternatives)))
+    text = f'These recordings cannot tell it from <strong>{names}</strong>. ' if names else ''
+    advice = f'A motion that would: {escape(finding.advice)}' if finding.advice else ''
+    return f'<p class="note">{text}{advice}</p>'
+
+
+def _effect(number, finding, joints):
+    name = 'unknown effect' if finding.name == UNKNOWN else _name(finding.name)
+    title = f'{_sentence(name)} – {_where(finding, joints)}'
+    return (f'<section id="effect-{number}"><h2>{_label(title)}</h2><p>{_badges(finding)}</p>'
+            + _physics(finding) + _pictures(finding) + _parameters(finding) + _doubt(finding)
+            + _evidence(finding, joints) + '</section>')
+
+
+def _left(name, share):
+    if not math.isfinite(share):
+        return f'{_label(name)}: not known.'
+    return (f'{_label(name)}: {_share(share)} of the remaining error\'s variance is structure '
+            'that no effect explains.')
+
+
+def _remains(diagnosis):
+    left = [_left(name, share) for name, share in zip(diagnosis.joints, diagnosis.unexplained)
+            if not share < _WEIGHTY]
+    left += [escape(sentence) for sentence in diagnosis.remains]
+    none = f'<p>Nothing of weight: less than {100 * _WEIGHTY:.0f} % at every joint.</p>'
+    text = '<h2>What remains unexplained</h2>' + (_list_of(left) if left else none)
+    if diagnosis.cannot_tell:
+        text += '<h3>What these recordings cannot tell</h3>' + _list_of(
+            escape(_sentence(sentence)) for sentence in diagnosis.cannot_tell)
+    return text
+
+
+def _origin(diagnosis):
+    recordings = _list_of(map(_label, diagnosis.recordings)) if diagnosis.recordings else ''
+    return (
+        '<h2>Recordings and method</h2>' + recordings
+        + f'<p>Tested on: {escape(diagnosis.tested_on) or "not stated"}.</p>'
+        '<p>The measured torque less the model\'s is compared with every physical effect the tool '
+        'knows. An effect enters the model only if it predicts blocks of data that its fit has '
+        'not seen better than without it, by more than chance would give over all hypotheses '
+        'tried (<em>confirmed</em>); where that is not certain it is <em>suspected</em>. A gain '
+        'of one nat means that the data are 2.7 times as likely.</p>'
+        f'<p class="quiet">hand_load_estimator {__version__}, {datetime.date.today()}, '
+        f'{_figure(diagnosis.seconds)} s of computing.</p>')
+
+
+def page(diagnosis):
+    """Return a Diagnosis as one HTML text that needs no other file."""
+    head = escape(headline(diagnosis))
+    effects = ''.join(_effect(k, finding, diagnosis.joints)
+                      for k, finding in enumerate(diagnosis.findings, 1))
+    return (
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<title>{head}</title><style>{_STYLE}</style></head><body>'
+        f'<p class="quiet">Diagnosis of the torque model of {escape(diagnosis.robot)}</p>'
+        f'<h1>{head}</h1>' + (_summary(diagnosis) if diagnosis.findings else '')
+        + _errors(diagnosis) + _load(diagnosis) + effects + _remains(diagnosis)
+        + _origin(diagnosis) + '</body></html>\n')
+
+
+def write_page(path, diagnosis):
+    """Write a Diagnosis as one self-contained HTML file."""
+    Path(path).write_text(page(diagnosis), encoding='utf-8')

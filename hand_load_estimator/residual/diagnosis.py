@@ -1,0 +1,111 @@
+"""What a diagnosis says: effects with their evidence, errors before and after, what remains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+CONFIRMED, SUSPECTED = 'confirmed', 'suspected'
+UNKNOWN = 'unknown'
+
+
+@dataclass(frozen=True)
+class Picture:
+    """
+    An effect as a mechanical engineer would draw it: residual torque against its variable.
+
+    joint; variable: what is on the x axis, with its unit; x (B,): middles of bins; mean, std (B,)
+    [Nm]: residual in the bins before the effect was added, and the standard error of its mean;
+    curve, low, high (B,) [Nm]: fitted effect with its 95 % interval.
+    """
+
+    joint: str
+    variable: str
+    x: np.ndarray
+    mean: np.ndarray
+    std: np.ndarray
+    curve: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """
+    Why an effect is believed, all from data not used for its fit.
+
+    gain, gain_std [nats]: held-out log-likelihood gained and its standard error over blocks;
+    needed [nats]: what had to be gained, corrected for the hypotheses tried; blocks; hypotheses;
+    rms [Nm]: torque of the effect at its strongest joint; next_best: the runner-up's name (or
+    None) and margin [nats] over it.
+    """
+
+    gain: float
+    gain_std: float
+    needed: float
+    blocks: int
+    hypotheses: int
+    rms: float
+    next_best: str | None = None
+    margin: float | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """
+    One effect found: name, joints (names), parameters {name: (mean, std, unit)}.
+
+    With several joints the parameters' names end in ` (joint)`. explained (n,): share of each
+    joint's residual variance; alternatives: effects these recordings cannot tell from it; advice:
+    the motion that would, or an empty string; changed: the model had it already, with other
+    figures; verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on.
+    """
+
+    name: str
+    joints: tuple
+    parameters: dict
+    explained: np.ndarray
+    evidence: Evidence
+    alternatives: tuple
+    advice: str
+    changed: bool
+    verdict: str
+    pictures: tuple = ()
+    variables: tuple = ()
+
+
+@dataclass(frozen=True)
+class LoadError:
+    """Error of load estimates on n loaded recordings: mass_rmse [kg], com_rmse [m] or None."""
+
+    mass_rmse: float
+    com_rmse: float | None
+    n: int
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """
+    The whole result; (n,) arrays are per joint.
+
+    before, after [Nm]: torque RMSE on data not used for fitting or choosing; noise_floor [Nm];
+    findings: in the order they were found; unexplained (n,): share of the residual variance that
+    is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
+    load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
+    seconds spent; remains: sentences on structure that is left.
+    """
+
+    robot: str
+    joints: tuple
+    before: np.ndarray
+    after: np.ndarray
+    noise_floor: np.ndarray
+    findings: tuple
+    unexplained: np.ndarray
+    cannot_tell: tuple = ()
+    load_before: LoadError | None = None
+    load_after: LoadError | None = None
+    load_reason: str = ''
+    recordings: tuple = ()
+    tested_on: str = ''
+    seconds: float = 0.0
+    remains: tuple = ()

@@ -1,0 +1,151 @@
+"""Find the residual: what the present torque model leaves of recordings, and what of it is noise."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..effects import EFFECTS, EffectInput
+from ..errors import RecordingError
+from ..presliding import presliding_path, stuck_density
+from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, tilt_columns,
+                            torque_columns, uncertain_directions)
+from .blocks import Blocks
+
+# Blocks [s] outlast what colours the residual, and recordings give a good number of them.
+BLOCK, FEWEST_BLOCKS = 4.0, 12
+# Directions of the model's own uncertainty that count as nuisances.
+DIRECTIONS = 20
+
+
+@dataclass(frozen=True)
+class Residual:
+    """
+    The residual of several recordings along their motion, N rows in all.
+
+    x: EffectInput with everything effects may read; torque, residual, weights (N, n) [Nm],
+    [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
+    starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides;
+    expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by.
+    """
+
+    x: EffectInput
+    torque: np.ndarray
+    residual: np.ndarray
+    weights: np.ndarray
+    columns: np.ndarray
+    dt: np.ndarray
+    time: np.ndarray
+    owner: np.ndarray
+    starts: np.ndarray
+    folds: np.ndarray
+    moving: np.ndarray
+    expected: np.ndarray
+    _paths: dict = field(default_factory=dict)
+
+    def friction_state(self, distance):
+        """Return z (N, n) for a presliding travel [rad] of all joints."""
+        if distance not in self._paths:
+            n = self.residual.shape[1]
+            parts = [presliding_path(self.x.q[rows], self.x.v[rows], self.dt[rows],
+                                     np.full(n, distance))[0]
+                     for rows in (np.flatnonzero(self.owner == k)
+                                  for k in np.unique(self.owner))]
+            self._paths[distance] = np.concatenate(parts)
+        return self._paths[distance]
+
+    def blocks(self):
+        """Return the Blocks to compare hypotheses on."""
+        count, n = self.residual.shape
+        return Blocks(self.residual, self.weights, [np.zeros((count, 0))] * n, self.starts,
+                      self.folds)
+
+
+def find_residual(model, evidence, cut=True):
+    """
+    Return the Residual of a TorqueModel on Evidence (identification.prepare).
+
+    cut: into blocks, to compare hypotheses on. Raises RecordingError where there is too little.
+    """
+    parts = [_of_recording(model, e) for e in evidence]
+    joined = {name: np.concatenate([getattr(p, name) for p in parts])
+              for name in ('torque', 'residual', 'weights', 'columns', 'dt', 'time', 'moving')}
+    x = _joined_input([p.x for p in parts])
+    owner = np.concatenate([np.full(len(p.dt), k) for k, p in enumerate(parts)])
+    starts, folds = _cut(joined['dt'], owner) if cut else (np.zeros(1, int), np.zeros(1, int))
+    return Residual(x, owner=owner, starts=starts, folds=folds,
+                    expected=_expected(model, joined['columns'], x), **joined)
+
+
+def _joined_input(parts):
+    late = parts[0].late is not None and (
+        lambda delay: np.concatenate([p.late(delay) for p in parts]))
+    names = [name for name in EffectInput.__dataclass_fields__ if name != 'late']
+    return EffectInput(**{name: np.concatenate([getattr(p, name) for p in parts])
+                          for name in names}, late=late)
+
+
+def _expected(model, columns, x):
+    """Return the RMS (n,) [Nm] of what the model's covariance and drift may do."""
+    root = uncertain_directions(model, DIRECTIONS, 0)
+    doubt = nuisance_columns(columns, root, model.residuals.drift, x)
+    return np.sqrt((doubt ** 2).sum(axis=2).mean(axis=0))
+
+
+@dataclass(frozen=True)
+class _Part:
+    x: EffectInput
+    torque: np.ndarray
+    residual: np.ndarray
+    weights: np.ndarray
+    columns: np.ndarray
+    dt: np.ndarray
+    time: np.ndarray
+    moving: np.ndarray
+
+
+def _of_recording(model, evidence):
+    robot, motion = model.robot, evidence.motion
+    x, doubt = motion_input(robot, motion, model.presliding_distance())
+    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt)
+    x = _complete(model, x, columns, motion.dt)
+    level = model.friction_level()
+    density = model.residuals.intensity + stuck_density(x.z, doubt, x.v, level)
+    moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
+    return _Part(x, evidence.torque, evidence.torque - columns @ model.mean,
+                 motion.dt[:, None] / density, columns, motion.dt, motion.stamp, moving)
+
+
+def _complete(model, x, columns, dt):
+    """Return an EffectInput with the torques that effects outside the model may read."""
+    n, robot = model.robot.n, model.robot
+    predicted = columns @ model.mean
+    rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
+    return replace(x, gear=columns[:, :, :10 * n] @ model.mean[:10 * n], drive=predicted,
+                   rate=rate, late=lateness(predicted, dt), tilt=tilt_columns(robot, x.q, model.mean))
+
+
+def _cut(dt, owner):
+    """Return the first rows of blocks and their folds: recordings, or spans of time."""
+    count = len(np.unique(owner))
+    total = float(dt.sum())
+    length = min(BLOCK, total / FEWEST_BLOCKS)
+    if length < 0.5:
+        raise RecordingError(f'the recordings hold {total:.1f} s of motion; a diagnosis needs '
+                             f'{0.5 * FEWEST_BLOCKS:g} s at least; record a motion of '
+                             '`hand_load excite`')
+    starts, owners = [], []
+    for k in range(count):
+        rows = np.flatnonzero(owner == k)
+        blocks = max(1, round(float(dt[rows].sum()) / length))
+        first = rows[0] + (np.arange(blocks) * len(rows)) // blocks
+        starts.extend(first)
+        owners.extend([k] * blocks)
+    starts = np.array(starts)
+    # Leaving recordings out tests other temperatures too; few recordings are cut in time.
+    folds = np.array(owners) if count >= 3 else np.arange(len(starts)) * 6 // len(starts)
+    return starts, folds
+
+
+def use_of(name, joint, shape=None):
+    """Return the EffectUse of a hypothesis."""
+    return EffectUse(name, 0 if EFFECTS[name].whole_arm else joint, dict(shape or {}))

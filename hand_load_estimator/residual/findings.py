@@ -1,0 +1,132 @@
+"""What the trace found, in the words and numbers of a Diagnosis."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import EFFECTS
+from ..load import PRODUCT_ORDER
+from .confusable import advice
+from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
+from .pictures import picture
+from .trace import SIGMAS
+
+_PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
+_MOST_PICTURES = 3
+_DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
+
+
+def findings_of(model, better, residual, trace, before, after):
+    """Return the Findings of a finished Trace; what fails the backward check is left out."""
+    torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
+    found = []
+    for step in trace.steps:
+        again = trace.still_gains(step)
+        if again.gain < step.needed or not trace.matters(again):
+            continue
+        others = sum((t for key, t in torques.items() if key != id(step)),
+                     np.zeros_like(residual.residual))
+        found.append(_finding(model, better, residual, trace, step, again, others,
+                              (before, after)))
+    return tuple(found)
+
+
+def _finding(model, better, residual, trace, step, again, others, errors):
+    robot, chosen = model.robot, replace(step.chosen, parts=again.parts)
+    torque = chosen.torque(robot.n)
+    partial = residual.residual - others
+    main = max(chosen.touched, key=lambda j: sum(
+        score.by_joint.get(j, 0.0) for _, score in chosen.parts))
+    helps = chosen.name == UNKNOWN or errors[1][main] < errors[0][main]
+    sure = again.gain > SIGMAS * again.std and helps
+    joints = range(robot.n) if chosen.name == 'base_tilt' else chosen.joints
+    return Finding(
+        chosen.name, tuple(robot.joints[j] for j in joints),
+        _parameters(model, better, chosen), _explained(residual.residual, torque),
+        _evidence(residual, trace, step, again, torque), step.alternatives,
+        _advice(chosen, step.alternatives),
+        trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
+        _pictures(robot, residual, partial, chosen),
+        (chosen.variable,) if chosen.name == UNKNOWN else ())
+
+
+def _evidence(residual, trace, step, again, torque):
+    rms = float(np.sqrt(np.mean(torque ** 2, axis=0)).max())
+    rival = step.next_best
+    return Evidence(float(again.gain), float(again.std), float(step.needed),
+                    len(residual.starts), trace.trials, rms, rival and rival.name,
+                    rival and float(step.chosen.gain - rival.gain))
+
+
+def _advice(chosen, alternatives):
+    if chosen.name == UNKNOWN:
+        return (f'the residual follows {chosen.variable}; move the joint so that {chosen.variable} '
+                'covers its range while everything else stays the same')
+    return advice(chosen.name, alternatives)
+
+
+def _explained(residual, torque):
+    whole = np.maximum((residual ** 2).mean(axis=0), 1e-12)
+    return np.clip(1.0 - ((residual - torque) ** 2).mean(axis=0) / whole, 0.0, 1.0)
+
+
+def _pictures(robot, residual, partial, chosen):
+    drawn = []
+    for hypothesis, score in chosen.parts:
+        joint = max(hypothesis.columns, key=lambda j: score.by_joint.get(j, 0.0))
+        drawn.append(picture(robot, residual, partial[:, joint], hypothesis, score, joint))
+    return tuple(p for p in drawn if p is not None)[:_MOST_PICTURES]
+
+
+def _parameters(model, better, chosen):
+    """Return {name: (mean, std, unit)}: figures of the better model, and changes of old ones."""
+    if chosen.name == UNKNOWN:
+        return {}
+    out = {}
+    for hypothesis, _ in chosen.parts:
+        joint = '' if len(chosen.parts) == 1 else f' ({model.robot.joints[hypothesis.joint]})'
+        values = _of_link(model, better, hypothesis) if chosen.name == 'link_inertia' \
+            else _of_effect(model, better, hypothesis)
+        out |= {name + joint: value for name, value in values.items()}
+    return out
+
+
+def _of_link(model, better, hypothesis):
+    where = slice(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
+    change = better.mean[where] - model.mean[where]
+    std = np.sqrt(np.diag(better.covariance)[where])
+    return {f'change_of_{name}': (change[k], std[k], _PRODUCT_UNITS[k])
+            for k, name in enumerate(PRODUCT_ORDER)}
+
+
+def _of_effect(model, better, hypothesis):
+    effect = EFFECTS[hypothesis.name]
+    new, old = _slice(better, hypothesis), _slice(model, hypothesis)
+    if new is None:
+        return {}
+    use, where = new
+    mean, covariance = better.mean[where], better.covariance[where, where]
+    std = np.sqrt(np.diag(covariance))
+    out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
+    if old is not None:
+        before = model.mean[old[1]]
+        out |= {f'change_of_{name}': (mean[k] - before[k], std[k], unit)
+                for k, (name, unit) in enumerate(effect.parameters)}
+    if effect.derived:
+        out |= _derived(effect, use.shape, mean, covariance)
+    return out | {s.name: (use.shape[s.name], float('nan'), s.unit) for s in effect.shapes}
+
+
+def _slice(model, hypothesis):
+    for use, where in model.slices():
+        if use.name == hypothesis.name and use.joint == hypothesis.joint:
+            return use, where
+    return None
+
+
+def _derived(effect, shape, mean, covariance):
+    draws = np.random.default_rng(0).multivariate_normal(mean, covariance, _DRAWS)
+    made = effect.derived(mean, shape)
+    spread = [effect.derived(draw, shape) for draw in draws]
+    return {name: (value, float(np.std([s[name][0] for s in spread])), unit)
+            for name, (value, unit) in made.items()}

@@ -1,0 +1,155 @@
+"""The hypotheses of one round: every effect of the vocabulary on every joint, and plain functions."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..effects import EFFECTS
+from ..identification import prior
+from .diagnosis import UNKNOWN
+from .find import use_of
+from .ripple import likely_periods
+
+# Presliding may reach much further than a healthy gear's.
+PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
+# Link data may be off by more than a new arm's.
+LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
+KNOTS = 16
+# What an unknown effect may be a function of; torque through the gear includes the load's.
+VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque': 'gear'}
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """
+    One possible cause: name, joint index, columns {joint: (N, k)} in units of the prior's std.
+
+    scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
+    `unknown`, what it is a function of; link: index for link_inertia.
+    """
+
+    name: str
+    joint: int
+    columns: dict
+    scale: np.ndarray
+    shape: dict = field(default_factory=dict)
+    variable: str = ''
+
+    @property
+    def key(self):
+        """What makes it a cause of its own, whatever its shape."""
+        return self.name, self.joint, self.variable
+
+
+def hypotheses(model, residual, blocks, temperatures_known, done=()):
+    """Yield every Hypothesis worth a trial on a Residual, but those whose keys are done."""
+    n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
+    sensed = model.robot.effort.kind == 'link_torque'
+    for j in range(n):
+        for name, effect in EFFECTS.items():
+            if effect.whole_arm or (name, j, '') in done or (sensed and not effect.in_link_torque):
+                continue
+            if temperatures_known or 'warmth' not in effect.needs:
+                yield from _of_effect(model, residual, blocks, effect, j)
+        if ('link_inertia', j, '') not in done:
+            yield _of_link(residual, j, links_prior)
+        if not any((UNKNOWN, j, variable) in done for variable in VARIABLES):
+            yield from functions(residual, model.robot.limits.torque, j)
+    if ('base_tilt', 0, '') not in done:
+        yield _tilt(model, residual)
+
+
+def _of_effect(model, residual, blocks, effect, j):
+    scale = EFFECT_FACTOR * model.robot.limits.torque[j] * np.array(effect.prior_std)
+    if effect.name == 'presliding_hysteresis':
+        yield from _presliding(model, residual, j, scale)
+        return
+    for shape in _shapes(effect, residual, blocks, j):
+        columns = effect.columns(residual.x, j, shape)
+        yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape)
+
+
+def _shapes(effect, residual, blocks, j):
+    if not effect.shapes:
+        return [{}]
+    name = effect.shapes[0].name
+    if name == 'periods':
+        values = likely_periods(residual.x.q[:, j], residual.x.v[:, j], blocks.left_over(j),
+                                residual.weights[:, j])
+    else:
+        values = effect.shapes[0].grid
+    return [{name: float(value)} for value in values]
+
+
+def _presliding(model, residual, j, scale):
+    """Yield hypotheses of another travel: the change of the friction state times a level."""
+    now = model.presliding_distance()[j]
+    for distance in PRESLIDING_DISTANCES:
+        if abs(np.log(distance / now)) < 0.3:
+            continue
+        column = (residual.friction_state(distance)[:, j] - residual.x.z[:, j])[:, None]
+        yield Hypothesis('presliding_hysteresis', j, {j: column * scale}, scale,
+                         {'presliding_distance': distance})
+
+
+def refinable(hypothesis):
+    """Tell whether a Hypothesis has a nonlinear parameter that a grid was tried for."""
+    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape
+
+
+def reshaped(hypothesis, factor, model, residual):
+    """Return the Hypothesis with its nonlinear parameter multiplied by a factor."""
+    j, (name, value) = hypothesis.joint, next(iter(hypothesis.shape.items()))
+    shape = {name: value * factor}
+    if hypothesis.name == 'presliding_hysteresis':
+        columns = (residual.friction_state(value * factor)[:, j] - residual.x.z[:, j])[:, None]
+    else:
+        columns = EFFECTS[hypothesis.name].columns(residual.x, j, shape)
+    return replace(hypothesis, columns={j: columns * hypothesis.scale}, shape=shape)
+
+
+def _of_link(residual, j, std):
+    where = slice(10 * j, 10 * j + 10)
+    scale = LINK_FACTOR * std[where]
+    return Hypothesis('link_inertia', j, {i: residual.columns[:, i, where] * scale
+                                          for i in range(j + 1)}, scale)
+
+
+def _tilt(model, residual):
+    scale = np.full(2, 0.05)
+    return Hypothesis('base_tilt', 0, {j: residual.x.tilt[:, j] * scale
+                                       for j in range(model.robot.n)}, scale)
+
+
+def functions(residual, torque, j):
+    """Yield hypotheses `unknown`: any smooth function of one variable."""
+    for variable, name in VARIABLES.items():
+        values = getattr(residual.x, name)[:, j]
+        columns = hats(values, KNOTS)
+        if columns.shape[1] < 4:
+            continue
+        scale = np.full(columns.shape[1], 0.1 * torque[j])
+        yield Hypothesis(UNKNOWN, j, {j: columns * scale}, scale, {}, variable)
+
+
+def hats(values, knots):
+    """Return (N, <= knots) piecewise linear functions over the quantiles of values (N,)."""
+    places = np.unique(np.quantile(values, np.linspace(0.01, 0.99, knots)))
+    if len(places) < 4:
+        return np.zeros((len(values), 0))
+    return np.stack([np.interp(values, places, row) for row in np.eye(len(places))], axis=1)
+
+
+def with_effect(model, hypothesis):
+    """Return (uses, index of new use or None) of a model that declares the hypothesis too."""
+    uses = list(model.uses)
+    if hypothesis.name == 'presliding_hysteresis':
+        return tuple(replace(u, shape={**u.shape, **hypothesis.shape})
+                     if u.name == hypothesis.name and u.joint == hypothesis.joint else u
+                     for u in uses)
+    for k, use in enumerate(uses):
+        if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
+            if hypothesis.shape:
+                uses[k] = replace(use, shape=dict(hypothesis.shape))
+            return tuple(uses)
+    return (*uses, use_of(hypothesis.name, hypothesis.joint, hypothesis.shape))

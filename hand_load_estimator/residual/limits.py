@@ -1,0 +1,84 @@
+"""What recordings cannot tell, said before anything is concluded from them."""
+
+import numpy as np
+
+from ..errors import RecordingError
+
+STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
+LEAST_WARMING = 3.0    # [K] between coldest and warmest
+SATURATED = 0.02       # share of the time at the largest effort
+LEAST_SECONDS = 6.0
+
+
+def refuse_the_useless(model, evidence):
+    """Raise RecordingError where nothing at all can be told."""
+    for e in evidence:
+        if e.torque.shape[1] != model.robot.n:
+            raise RecordingError(f'{e.name}: has {e.torque.shape[1]} joints, the model '
+                                 f'{model.robot.n}')
+    seconds = sum(float(e.motion.dt.sum()) for e in evidence)
+    if seconds < LEAST_SECONDS:
+        raise RecordingError(f'{_names(evidence)}: hold {seconds:.1f} s; a diagnosis needs '
+                             f'{LEAST_SECONDS:g} s of motion at least; record a motion of '
+                             '`hand_load excite`')
+    if max(np.abs(e.motion.v).max() for e in evidence) < STILL:
+        raise RecordingError(f'{_names(evidence)}: no joint moves, and at rest friction hides '
+                             'everything; record a motion of `hand_load excite`')
+    _refuse_another_robot(model, evidence)
+
+
+def _refuse_another_robot(model, evidence):
+    """A model that explains nothing at all belongs to another arm, unit or mounting."""
+    for e in evidence:
+        rigid = np.array([model.torque(*row) for row in zip(
+            e.motion.q[::10], e.motion.v[::10], e.motion.a[::10])])
+        loaded = rigid.std(axis=0) > 5.0 * model.noise
+        measured = e.torque[::10]
+        left = ((measured - rigid) ** 2).mean(axis=0)
+        whole = ((measured - measured.mean(axis=0)) ** 2).mean(axis=0)
+        if loaded.any() and (left > 2.0 * whole)[loaded].mean() > 0.5:
+            raise RecordingError(
+                f'{e.name}: the model explains nothing of the torque of most joints; it belongs to '
+                'another robot, unit, sign or mounting; try `hand_load check`')
+
+
+def _names(evidence):
+    return ', '.join(e.name for e in evidence)
+
+
+def temperatures_tell(evidence):
+    """Return whether temperatures vary enough, and the sentence when they do not (or '')."""
+    values = np.concatenate([e.motion.temperature.ravel() for e in evidence])
+    values = values[np.isfinite(values)]
+    if len(values) == 0:
+        return False, 'cannot tell effects of temperature because none was recorded'
+    columns = np.concatenate([e.motion.temperature for e in evidence])
+    with np.errstate(all='ignore'):
+        span = float(np.nanmax(np.nanmax(columns, axis=0) - np.nanmin(columns, axis=0)))
+    if span < LEAST_WARMING:
+        return False, (f'cannot tell effects of temperature because the joints differ by only '
+                       f'{span:.1f} K over all recordings; {LEAST_WARMING:g} K are needed')
+    return True, ''
+
+
+def still_joints(model, evidence):
+    """Return {joint index: sentence} for joints that never move."""
+    fastest = np.max([np.abs(e.motion.v).max(axis=0) for e in evidence], axis=0)
+    return {j: f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because it '
+            'never moves' for j in np.flatnonzero(fastest < STILL)}
+
+
+def saturated_rows(model, evidence):
+    """Return (rows (N, n) bool at the drive's limit, sentences)."""
+    rows, sentences = [], []
+    for e in evidence:
+        effort = np.abs(e.motion.effort)
+        top = effort.max(axis=0)
+        at = (effort > 0.998 * top) & (top > 0.0)
+        share = at.mean(axis=0)
+        bad = share > SATURATED
+        sentences += [f'{e.name}: the effort of {model.robot.joints[j]} stands at its largest '
+                      f'value for {100 * share[j]:.0f} % of the time; those samples are left out'
+                      for j in np.flatnonzero(bad)]
+        rows.append(at & bad)
+    return np.concatenate(rows), sentences

@@ -1,0 +1,254 @@
+"""
+Trace the residual: forward selection of effects on held-out data, with a backward check.
+
+Each round tries every effect on every joint, and beside them plain functions of one variable. An
+effect is taken when it gains likelihood on blocks it was not fitted to, more than chance and the
+number of trials allow, and moves torque that matters. A plain function that explains much more
+than any effect is taken as `unknown`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .confusable import partners
+from .diagnosis import UNKNOWN
+from .hypotheses import hypotheses, refinable, reshaped
+
+ROUNDS = 10
+# Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
+# effect's torque in units of the model's noise.
+LEAST_GAIN, SIGMAS, LEAST_RMS = 8.0, 3.0, 0.25
+# A declared effect has changed when its torque is so many times what the model expects.
+UNEXPECTED = 3.0
+# An effect that explains less than this share of what a plain function of its variable does is
+# not the explanation.
+ADEQUATE = 0.6
+# Alternatives gain at least this share of the winner's gain, or belong to a known pair and gain ...
+ALIKE, ALIKE_PAIR = 0.85, 0.4
+# These have one cause for all joints of an arm: one hypothesis, however many joints show it.
+ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """
+    One cause with its evidence: parts (Hypothesis, Score) on one or more joints.
+
+    gain, std, by_block [nats] of all parts together.
+    """
+
+    name: str
+    parts: tuple
+    gain: float
+    std: float
+    by_block: np.ndarray
+
+    @property
+    def joints(self):
+        """Indices of the joints it stands for."""
+        return sorted({h.joint for h, _ in self.parts})
+
+    @property
+    def touched(self):
+        """Indices of all joints it moves."""
+        return sorted({j for h, _ in self.parts for j in h.columns})
+
+    @property
+    def size(self):
+        """Number of parameters."""
+        return sum(len(h.scale) for h, _ in self.parts)
+
+    @property
+    def variable(self):
+        """What an unknown effect is a function of."""
+        return self.parts[0][0].variable
+
+    def torque(self, n):
+        """Return its torque (N, n) [Nm]."""
+        first = next(iter(self.parts[0][0].columns.values()))
+        out = np.zeros((len(first), n))
+        for hypothesis, score in self.parts:
+            for j, columns in hypothesis.columns.items():
+                out[:, j] += columns @ score.theta
+        return out
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted Candidate with the alternatives' names, needed nats and trials of its round."""
+
+    chosen: Candidate
+    alternatives: tuple
+    next_best: Candidate | None
+    needed: float
+    trials: int
+
+
+def single(hypothesis, score):
+    """Return the Candidate of one hypothesis."""
+    return Candidate(hypothesis.name, ((hypothesis, score),), score.gain, score.std,
+                     score.by_block)
+
+
+class Trace:
+    """
+    Forward selection on a Residual of a TorqueModel.
+
+    steps: what was found; drifted: changes of declared effects no larger than the model says to
+    expect; trials: hypotheses tried in the first round.
+    """
+
+    def __init__(self, model, residual, temperatures_known, progress=lambda text: None):
+        self._model, self._residual = model, residual
+        self._known, self._progress = temperatures_known, progress
+        self.blocks = residual.blocks()
+        self.steps, self.drifted, self.trials = [], [], 0
+        self._declared = {(u.name, u.joint) for u in model.uses}
+        self._scores, self._taken = {}, set()
+
+    def run(self):
+        """Select effects until none is worth it; return the steps."""
+        for turn in range(ROUNDS):
+            self._progress(f'tracing, round {turn + 1}: {len(self._scores) or "all"} hypotheses')
+            step = self._round()
+            if step is None:
+                break
+            found = self.drifted if self._expected(step.chosen) else self.steps
+            found.append(step)
+            self._take(step.chosen)
+        return self.steps
+
+    def still_gains(self, step):
+        """Return the Candidate of a step evaluated beside all other steps (backward check)."""
+        blocks = self._residual.blocks()
+        for other in self.steps + self.drifted:
+            if other is not step:
+                for hypothesis, _ in other.chosen.parts:
+                    blocks.add(hypothesis.columns)
+        parts = tuple((h, blocks.evaluate(h.columns)) for h, _ in step.chosen.parts)
+        return _joined(step.chosen.name, parts)
+
+    def declared(self, candidate):
+        """Tell whether the model has the effect already, with other figures."""
+        return all(h.name == 'link_inertia' or (h.name, h.joint) in self._declared
+                   for h, _ in candidate.parts)
+
+    def _expected(self, candidate):
+        """Tell whether a change is within what the model says of its own uncertainty."""
+        if not self.declared(candidate):
+            return False
+        rms = np.sqrt(np.mean(candidate.torque(self._model.robot.n) ** 2, axis=0))
+        return bool((rms < UNEXPECTED * self._residual.expected).all())
+
+    def matters(self, candidate):
+        """Tell whether a candidate's torque is worth a place in a model."""
+        torque = candidate.torque(self._model.robot.n)
+        rms = np.sqrt(np.mean(torque ** 2, axis=0))
+        return bool((rms >= LEAST_RMS * self._model.noise).any())
+
+    def _round(self):
+        self._evaluate()
+        needed = LEAST_GAIN + np.log(len(self._scores))
+        ranked = sorted(self._candidates(), key=lambda c: -c.gain)
+        for best in ranked:
+            if best.gain < needed:
+                return None
+            if best.gain < SIGMAS * best.std or not self.matters(best):
+                continue
+            return self._step(best, ranked, needed)
+        return None
+
+    def _step(self, best, ranked, needed):
+        rivals = [c for c in ranked if c is not best and set(c.touched) & set(best.touched)
+                  and c.name != UNKNOWN and (c.name != best.name or c.joints != best.joints)]
+        alike = [c for c in rivals if _alike(best, c)]
+        # Of equals, the one that needs the fewest parameters; a pair that nothing tells apart.
+        equal = [c for c in alike if _tied(best, c) and best.name != UNKNOWN]
+        simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
+        others = [c.name for c in [best, *alike] if c.name not in (simplest.name, UNKNOWN)]
+        return Step(simplest, tuple(dict.fromkeys(others)),
+                    next((c for c in [best, *rivals] if c is not simplest), None), needed,
+                    len(self._scores))
+
+    def _candidates(self):
+        """Return the named candidates that are adequate, and the unknowns nothing explains."""
+        scores = [pair for key, pair in self._scores.items() if key not in self._taken]
+        singles = [single(*pair) for pair in scores]
+        unknown = [c for c in singles if c.name == UNKNOWN]
+        named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
+        for name in ONE_CAUSE:
+            parts = tuple(pair for pair in scores
+                          if pair[0].name == name and pair[1].gain > 3.0)
+            if parts:
+                named.append(_joined(name, parts))
+        best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
+                       default=None) for j in range(self._model.robot.n)}
+        adequate = [c for c in named if self._adequate(c, best)]
+        explained = {j: max((self._share(c, j) for c in named if j in c.touched), default=0.0)
+                     for j in best}
+        orphans = [c for j, c in best.items() if c is not None
+                   and explained[j] < ADEQUATE * c.gain]
+        return adequate + orphans
+
+    @staticmethod
+    def _share(candidate, joint):
+        return sum(score.by_joint.get(joint, 0.0) for _, score in candidate.parts)
+
+    def _adequate(self, candidate, best):
+        """Tell whether no plain function explains much more where the candidate acts."""
+        joint = max(candidate.touched, key=lambda j: self._share(candidate, j))
+        function = best[joint]
+        return function is None or self._share(candidate, joint) >= ADEQUATE * function.gain
+
+    def _evaluate(self):
+        """Evaluate what is not up to date, the best shape of each cause."""
+        fresh = {}
+        for hypothesis in hypotheses(self._model, self._residual, self.blocks, self._known,
+                                     self._scores):
+            score = self.blocks.evaluate(hypothesis.columns)
+            if hypothesis.key not in fresh or score.gain > fresh[hypothesis.key][1].gain:
+                fresh[hypothesis.key] = hypothesis, score
+        for key, pair in fresh.items():
+            fresh[key] = self._refined(*pair)
+        self._scores |= fresh
+        self.trials = max(self.trials, len(self._scores))
+
+    def _refined(self, hypothesis, score):
+        """Return the pair with its nonlinear parameter searched between the grid's values."""
+        if score.gain < LEAST_GAIN or not refinable(hypothesis):
+            return hypothesis, score
+        best = hypothesis, score
+        for step in (1.25, 1.12, 1.06):
+            for factor in (1.0 / step, step):
+                trial = reshaped(best[0], factor, self._model, self._residual)
+                found = self.blocks.evaluate(trial.columns)
+                if found.gain > best[1].gain:
+                    best = trial, found
+        return best
+
+    def _take(self, chosen):
+        for hypothesis, _ in chosen.parts:
+            self.blocks.add(hypothesis.columns)
+        touched = set(chosen.touched)
+        self._taken |= {h.key for h, _ in chosen.parts}
+        self._scores = {key: pair for key, pair in self._scores.items()
+                        if not touched & set(pair[0].columns)}
+
+
+def _joined(name, parts):
+    by_block = sum(score.by_block for _, score in parts)
+    return Candidate(name, parts, float(by_block.sum()),
+                     float(np.sqrt(len(by_block)) * by_block.std()), by_block)
+
+
+def _tied(best, other):
+    """Tell whether held-out blocks do not prefer the better of two candidates."""
+    difference = best.by_block - other.by_block
+    return difference.sum() < 2.0 * np.sqrt(len(difference)) * difference.std() \
+        and other.gain > ALIKE * best.gain
+
+
+def _alike(best, other):
+    pair = other.name in partners(best.name) or best.name == UNKNOWN
+    return other.gain > (ALIKE_PAIR if pair else ALIKE) * best.gain

@@ -1,0 +1,90 @@
+"""Diagnose every measured set: python -m real_recordings DATA OUT [SET...]."""
+
+import json
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+import time
+
+from hand_load_estimator.errors import HandLoadError
+
+from .robots import ARMS, write_robot_file
+from .sets import SETS, stage
+from .table import table
+
+# No set takes longer [s] unless something hangs.
+LONGEST = 1800.0
+
+
+class SetFailed(Exception):
+    """A step of a set did not succeed; says why in one sentence."""
+
+
+def hand_load(*arguments):
+    """Run one command as a process of its own; its last line becomes the reason of a failure."""
+    command = [sys.executable, '-m', 'hand_load_estimator', *map(str, arguments)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        raise SetFailed(f'hand_load {arguments[0]}: took longer than {LONGEST:g} s') from None
+    if done.returncode:
+        said = done.stderr.strip().splitlines() or ['says nothing']
+        raise SetFailed(f'{said[-1]} (exit {done.returncode})')
+
+
+def diagnose_set(name, data, out):
+    """
+    Return the content of report.json of one set.
+
+    data, out: Paths; reports go to out/<set>, what they are made from to out/inputs/<set>.
+    """
+    chosen, inputs, reports = SETS[name], out / 'inputs' / name, out / name
+    for folder in (inputs, reports):
+        shutil.rmtree(folder, ignore_errors=True)
+    train, test = stage(chosen, data / name, inputs)
+    robot = write_robot_file(name, data, inputs) if chosen.robot in ARMS else chosen.robot
+    base = inputs / 'base.yaml'
+    hand_load('identify', *train, '--robot', robot, '--effects', ','.join(chosen.effects),
+              '--out', base)
+    hand_load('diagnose', *train, '--model', base, '--out', reports, '--test', *test)
+    return json.loads((reports / 'report.json').read_text(encoding='utf-8'))
+
+
+def diagnose_sets(names, data, out):
+    """Return {set: report, or why there is none}, with a line of progress for each."""
+    results = {}
+    for number, name in enumerate(names, start=1):
+        print(f'{number} of {len(names)}: {name}', end=' ', flush=True)
+        start = time.monotonic()
+        try:
+            results[name] = diagnose_set(name, data, out)
+            said = f'{len(results[name]["effects"])} effects'
+        except (SetFailed, HandLoadError, OSError, ValueError, KeyError) as error:
+            results[name] = said = str(error)
+        print(f'{time.monotonic() - start:.0f} s: {said}', flush=True)
+    return results
+
+
+def main(data, out, *names):
+    """Write out/table.md; 0, or 1 when a set failed, or 2 for wrong arguments."""
+    data, out = Path(data), Path(out)
+    unknown = [name for name in names if name not in SETS]
+    if unknown:
+        print(f'error: no such set: {", ".join(unknown)}; allowed: {", ".join(SETS)}',
+              file=sys.stderr)
+        return 2
+    if not data.is_dir():
+        print(f'error: {data} is not there; give the folder that holds {", ".join(SETS)}',
+              file=sys.stderr)
+        return 2
+    results = diagnose_sets(names or tuple(SETS), data, out)
+    out.mkdir(parents=True, exist_ok=True)
+    text = table(results)
+    (out / 'table.md').write_text(text, encoding='utf-8')
+    print(text)
+    return int(any(isinstance(result, str) for result in results.values()))
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,404 @@
+"""The effects suite: cases as stated, judged as stated, errors against the plant's own figures."""
+
+from collections import Counter
+from dataclasses import replace
+import json
+
+from core_helpers import effect_uses, exact_model, four_axes, messages, recording_of
+import numpy as np
+from plant_helpers import ur10e
+import pytest
+import yaml
+
+from hand_load_estimator import cli, seeds
+from hand_load_estimator.benchmark import cases, effect_measure, effect_recordings, effect_run
+from hand_load_estimator.benchmark.effect_cases import (EffectCase, Hidden, load_seeds, place,
+                                                        suite_cases)
+from hand_load_estimator.benchmark.effect_errors import torque_rmse
+from hand_load_estimator.benchmark.effect_outcome import judge
+from hand_load_estimator.benchmark.effect_page import effects_markdown, findings_text
+from hand_load_estimator.benchmark.effect_scores import (confusions, effect_rows, pair_rows,
+                                                         totals, verdicts)
+from hand_load_estimator.benchmark.effect_truth import COMPARABLE, model_change, true_change
+from hand_load_estimator.benchmark.run import SUITES
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.identification import identify, prepare
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.plant.hidden import EFFECTS
+from hand_load_estimator.residual.diagnosis import CONFIRMED, Diagnosis, Evidence, Finding
+
+PLANT = seeds.DEVELOPMENT_PLANTS[95]
+JOINT, OTHER = 'elbow_joint', 'wrist_1_joint'
+
+
+# Cases.
+
+def test_the_suite_holds_what_the_issue_asks_for():
+    suite = suite_cases(ur10e())
+    assert Counter(c.kind for c in suite) == {'single': 120, 'pair': 12, 'clean': 20,
+                                              'outside': 4}
+    assert len({c.label for c in suite}) == len(suite)
+    singles = Counter((h.name, h.strength) for c in suite if c.kind == 'single' for h in c.hidden)
+    names = set(EFFECTS) - {'speed_resonance_friction', 'swinging_load'}
+    assert singles == {(name, s): 2 for name in names for s in (0.5, 2.0, 5.0)}
+    assert {h.name for c in suite if c.kind == 'outside' for h in c.hidden} \
+        == {'speed_resonance_friction', 'swinging_load'}
+    assert len({c.plant for c in suite if c.kind == 'clean'}) == 20
+    assert [c.plant for c in suite] == sorted(c.plant for c in suite)
+    for case in suite:
+        assert len({h.name for h in case.hidden}) == len(case.hidden)
+
+
+def test_the_same_seeds_give_the_same_cases_and_development_others():
+    robot = ur10e()
+    assert suite_cases(robot) == suite_cases(robot)
+    plants = {c.plant for c in suite_cases(robot)}
+    looked_at = {c.plant for c in suite_cases(robot, development=True)}
+    assert plants <= set(seeds.BENCHMARK_PLANTS) and not plants & set(SUITES['base'][0])
+    assert looked_at <= set(range(540, 600))
+
+
+def test_loads_are_of_no_other_plant_or_suite():
+    plants = sorted({c.plant for c in suite_cases(ur10e())})
+    drawn = [seed for plant in plants for seed in load_seeds(plant, 6)]
+    assert len(set(drawn)) == 6 * len(plants) and set(drawn) <= set(seeds.BENCHMARK_CASES)
+    base, own, per_plant = SUITES['base']
+    assert not set(drawn) & set(own[:len(base) * per_plant])
+    assert set(load_seeds(545, 6)) <= set(seeds.DEVELOPMENT_CASES)
+
+
+def test_an_effect_goes_where_it_can_be_so_strong():
+    """Gravity never lets go of the shoulder's teeth: backlash takes the next joint."""
+    robot = ur10e()
+    lift, elbow = (robot.joints.index(name) for name in ('shoulder_lift_joint', JOINT))
+    case = EffectCase('single', PLANT, (Hidden('backlash', 2.0, (lift, elbow)),))
+    assert place(robot, case) == [{'name': 'backlash', 'strength': 2.0, 'joints': [JOINT]}]
+    impossible = Hidden('temperature_dependent_viscous_friction', 500.0, (0, 1))
+    with pytest.raises(ConfigurationError, match='viscous.*so strong on any joint'):
+        place(robot, EffectCase('single', PLANT, (impossible,)))
+
+
+def test_effects_of_a_pair_take_different_joints():
+    pair = (Hidden('torque_offset', 3.0, (2, 1)), Hidden('torque_scale', 3.0, (2, 4)))
+    first, second = place(ur10e(), EffectCase('pair', PLANT, pair))
+    assert (first['joints'], second['joints']) == ([JOINT], ['wrist_2_joint'])
+
+
+def test_effects_of_the_whole_arm_name_no_joint():
+    case = EffectCase('single', PLANT, (Hidden('base_tilt', 2.0),))
+    assert place(ur10e(), case) == [{'name': 'base_tilt', 'strength': 2.0}]
+
+
+# Outcomes.
+
+def finding(name, joints=(JOINT,), verdict=CONFIRMED, alternatives=(), advice='', variables=()):
+    """Return a finding as results hold them."""
+    return {'name': name, 'joints': list(joints), 'verdict': verdict,
+            'alternatives': list(alternatives), 'advice': advice, 'changed': False,
+            'variables': list(variables), 'parameters': {'k': [1.0, 0.1, 'Nm']}, 'gain': 9.0,
+            'gain_std': 1.0, 'needed': 3.0, 'next_best': None, 'margin': None}
+
+
+def result(hidden, findings, kind='single', strength=2.0, torque=(2.0, 1.0), mass=(0.4, 0.2),
+           **more):
+    """Return the result of hidden effects [(name, joints)], errors over those without of 1."""
+    return {'label': f'{kind} {hidden}', 'kind': kind, 'plant': PLANT,
+            'effects': [{'name': name, 'strength': strength, 'joints': list(joints)}
+                        for name, joints in hidden],
+            'findings': findings, 'parameters': [], 'seconds': 100.0,
+            'torque': {'before': [torque[0], 1.0], 'after': [torque[1], 1.0],
+                       'without': [1.0, 1.0]},
+            'mass': {key: {'3 s': [value, -value], 'end': [0.5 * value]} for key, value in
+                     zip(('before', 'after', 'without'), (*mass, 0.2))}, **more}
+
+
+ADVICE = 'turn it once round'
+
+
+@pytest.mark.parametrize('name, found, outcome, false', [
+    ('time_delay', [finding('time_delay')], 'found', []),
+    ('time_delay', [finding('time_delay', (OTHER, JOINT))], 'found', []),
+    ('time_delay', [finding('time_delay'), finding('backlash')], 'found', ['backlash']),
+    ('time_delay', [finding('time_delay', (OTHER,))], 'wrong joint', ['time_delay']),
+    ('time_delay', [finding('time_delay', verdict='suspected')], 'suspected', []),
+    ('time_delay', [finding('torque_scale')], 'confused', ['torque_scale']),
+    ('time_delay', [finding('torque_scale', verdict='suspected')], 'missed', []),
+    ('time_delay', [finding('rotor_inertia', alternatives=['time_delay'], advice=ADVICE)],
+     'alternative only', ['rotor_inertia']),
+    ('cable_drag', [finding('gravity_spring', alternatives=['cable_drag'], advice=ADVICE)],
+     'both named', []),
+    ('cable_drag', [finding('gravity_spring', alternatives=['cable_drag'])],
+     'alternative only', ['gravity_spring']),
+    ('cable_drag', [finding('gravity_spring', (OTHER,), CONFIRMED, ['cable_drag'], ADVICE)],
+     'confused', ['gravity_spring']),
+    ('time_delay', [], 'missed', [])])
+def test_one_hidden_effect_is_judged(name, found, outcome, false):
+    (effect,), wrong = judge(result([(name, (JOINT,))], found))
+    assert effect['outcome'] == outcome and wrong == false
+
+
+def test_joint_is_right_apart_from_the_name():
+    right, wrong, arm = (judge(result([(name, joints)], [finding('torque_scale', (JOINT,))]))
+                         [0][0]['joint_right'] for name, joints in
+                         (('time_delay', (JOINT,)), ('time_delay', (OTHER,)), ('base_tilt', ())))
+    assert (right, wrong, arm) == (True, False, None)
+
+
+def test_an_effect_of_the_whole_arm_is_right_at_any_joint():
+    (effect,), _ = judge(result([('base_tilt', ())], [finding('base_tilt', (JOINT, OTHER))]))
+    assert effect['outcome'] == 'found'
+
+
+def test_each_of_a_pair_is_judged_and_neither_is_the_others_false_finding():
+    pair = [('time_delay', (JOINT,)), ('torque_scale', (OTHER,))]
+    effects, false = judge(result(pair, [finding('time_delay')], 'pair'))
+    assert [e['outcome'] for e in effects] == ['found', 'missed'] and not false
+    both = [finding('time_delay'), finding('torque_scale', (OTHER,))]
+    assert [e['outcome'] for e in judge(result(pair, both, 'pair'))[0]] == ['found', 'found']
+
+
+@pytest.mark.parametrize('name, found, outcome', [
+    ('speed_resonance_friction', [finding('unknown', variables=['velocity [rad/s]'])], 'found'),
+    ('speed_resonance_friction', [finding('unknown', variables=['position [rad]'])],
+     'other variables'),
+    ('speed_resonance_friction', [finding('stribeck_friction')], 'confused'),
+    ('speed_resonance_friction', [finding('unknown', variables=['velocity [rad/s]']),
+                                  finding('stribeck_friction')], 'confused'),
+    ('speed_resonance_friction', [], 'missed')])
+def test_what_no_model_knows_must_be_unknown_with_its_variables(name, found, outcome):
+    (effect,), _ = judge(result([(name, (JOINT,))], found, 'outside', 3.0))
+    assert effect['outcome'] == outcome
+
+
+@pytest.mark.parametrize('found, outcome', [
+    ([finding('external_contact')], 'found'), ([], 'excluded'),
+    ([finding('backlash', verdict='suspected')], 'excluded'),
+    ([finding('external_contact'), finding('backlash')], 'confused')])
+def test_a_contact_must_not_become_an_effect_of_the_model(found, outcome):
+    (effect,), _ = judge(result([('external_contact', ())], found))
+    assert effect['outcome'] == outcome
+
+
+# Scores.
+
+def results():
+    """Return a small suite with known figures."""
+    delay = [('time_delay', (JOINT,))]
+    figure = [{'effect': 'time_delay', 'parameter': 'delay', 'truth': 0.02, 'estimate': 0.015}]
+    return [
+        result(delay, [finding('time_delay')], torque=(4.0, 1.1), parameters=figure),
+        result(delay, [finding('backlash')], torque=(3.0, 2.0), mass=(0.8, 0.4)),
+        result(delay, [], strength=0.5),
+        result([('time_delay', (JOINT,)), ('torque_scale', (OTHER,))], [finding('time_delay')],
+               'pair'),
+        result([], [finding('torque_offset'), finding('backlash', verdict='suspected')], 'clean'),
+        result([('swinging_load', ())], [finding('unknown', (), variables=['time'])], 'outside'),
+        {'label': 'f', 'kind': 'single', 'plant': PLANT, 'failed': 'ValueError: broke',
+         'effects': [{'name': 'cable_drag', 'strength': 5.0, 'joints': []}]},
+        {'label': 's', 'kind': 'single', 'plant': PLANT, 'skipped': 'not so strong',
+         'effects': [{'name': 'backlash', 'strength': 5.0, 'joints': []}]}]
+
+
+def test_rows_are_exact():
+    rows = {(row['name'], row['strength']): row for row in effect_rows(results())}
+    assert set(rows) == {('time_delay', 2.0), ('time_delay', 0.5), ('swinging_load', 2.0),
+                         ('cable_drag', 5.0)}
+    row = rows['time_delay', 2.0]
+    assert row['outcomes'] == {'found': 1, 'confused': 1} and row['false'] == {'backlash': 1}
+    assert (row['joint_right'], row['joints'], row['cases']) == (2, 2, 2)
+    assert row['torque'] == pytest.approx({'before': 3.5, 'after': 1.55})
+    rms = np.sqrt((0.2 ** 2 + 0.4 ** 2) / 2)
+    assert row['mass']['after']['3 s'] == pytest.approx(rms / 0.2)
+    assert row['mass_rmse']['after']['end'] == pytest.approx(0.5 * rms)
+    # The second case was not found: its figures are nobody's.
+    assert row['parameters'] == pytest.approx({'delay': 0.25})
+    assert rows['cable_drag', 5.0]['outcomes'] == {'missed': 1}
+    assert rows['cable_drag', 5.0]['torque'] is None
+
+
+def test_totals_and_goals_are_judged_on_the_figures():
+    total = totals(results())
+    assert total['single'] == [3, 1] and total['pairs'] == [1, 0]
+    assert total['outside'] == [1, 1] and total['clean'] == [1, 1]
+    assert confusions(results()) == {'time_delay': {'backlash': 1}}
+    assert pair_rows(results())[0]['outcomes'] == ['found', 'missed']
+    rows = {what: (value, good) for what, _, value, good in verdicts(total)}
+    assert rows['right effect and joint, one effect, strength 2 and 5'] \
+        == ('33 % (1 of 3)', False)
+    assert rows['confirmed on clean plants'] == ('1 on 1', True)
+    assert rows['both of a pair right'][1] is False
+    assert [good for what, (_, good) in rows.items() if what.startswith('torque')] == [False]
+    assert rows['seconds per diagnosis, median and longest'] == ('100, 100', True)
+    slow = totals([result([], [], 'clean', seconds=181.0)] * 2)
+    assert not verdicts(slow)[-1][3]
+
+
+def test_torque_goal_holds_where_nine_in_ten_are_within():
+    near = [result([('time_delay', (JOINT,))], [], torque=(2.0, 1.1)) for _ in range(9)]
+    far = result([('time_delay', (JOINT,))], [], torque=(2.0, 1.2))
+    for cases_, good in (([*near, far], True), ([*near, far, far], False)):
+        (row,) = [r for r in verdicts(totals(cases_)) if r[0].startswith('torque')]
+        assert row[3] is good
+
+
+def test_the_page_shows_what_was_measured():
+    page = effects_markdown(results(), 'hand_load benchmark --suite effects', 'abc1234')
+    assert 'hand_load benchmark --suite effects' in page and 'abc1234' in page
+    assert '| `time_delay` | 2 | 1 of 2 | found 1, confused 1 | 2 of 2 | backlash 1 |' in page
+    assert '| `time_delay` | 2 | delay | 25 |' in page
+    assert 's: not so strong' in page and 'f: ValueError: broke' in page
+    assert 'confirmed time_delay' in findings_text(results()[0])
+    assert 'failed: ValueError' in findings_text(results()[6])
+
+
+# Figures against the plant's.
+
+@pytest.mark.parametrize('name, parameters, expected', [
+    ('torque_ripple', {'torque': 3.0, 'periods': 71.0}, {'amplitude': 3.0, 'periods': 71.0}),
+    ('gravity_spring', {'stiffness': 30.0, 'angle': 0.5}, {'stiffness': 30.0}),
+    ('base_tilt', {'angle': 0.05}, {'angle': 0.05}),
+    ('viscous_friction', {'coefficient': 4.0}, {'coefficient': 4.0}),
+    ('temperature_dependent_coulomb_friction', {'fall': 0.02}, {'slope': -0.02}),
+    ('torque_scale', {'gain': 0.25}, {'gain': 0.2}),
+    ('time_delay', {'delay': 0.02}, {'delay': 0.02}),
+    ('cable_drag', {'torque': 3.0}, {})])
+def test_what_an_effect_adds_is_read_off_the_plant(name, parameters, expected):
+    entry = {'name': name, 'parameters': parameters}
+    if EFFECTS[name].per_joint:
+        entry['joints'] = [JOINT]
+    assert true_change(ur10e(), PLANT, entry) == pytest.approx(expected)
+
+
+def test_comparable_figures_are_figures_of_the_models_effects():
+    from hand_load_estimator.effects import EFFECTS as MODEL_EFFECTS
+    for name, figures in COMPARABLE.items():
+        effect = MODEL_EFFECTS[name]
+        known = {p for p, _ in effect.parameters} | {shape.name for shape in effect.shapes}
+        if effect.derived:
+            known |= set(effect.derived(np.ones(len(effect.parameters))))
+        assert set(figures) <= known | {'angle'}, name
+
+
+def test_what_a_diagnosis_adds_is_a_change_of_the_model():
+    before = exact_model('four')
+    robot, joint = before.robot, 2
+    mean = before.mean.copy()
+    (where,) = [w for use, w in before.slices()
+                if use.name == 'viscous_friction' and use.joint == joint]
+    mean[where] += 1.5
+    after = replace(before, mean=mean)
+    entry = {'name': 'viscous_friction', 'joints': [robot.joints[joint]]}
+    assert model_change(robot, before, after, entry) == pytest.approx({'coefficient': 1.5})
+    spring = {'name': 'gravity_spring', 'joints': [robot.joints[joint]]}
+    uses = (*before.uses, *effect_uses(robot, ('gravity_spring',)))
+    sprung = replace(before, uses=uses, mean=np.concatenate(
+        [before.mean, np.tile([3.0, 4.0], robot.n)]), covariance=None)
+    assert model_change(robot, before, sprung, spring) == pytest.approx({'stiffness': 5.0})
+    assert model_change(robot, sprung, before, spring) == pytest.approx({'stiffness': -5.0})
+
+
+def test_torque_error_is_what_the_model_leaves_while_joints_move():
+    model = exact_model('four')
+    stream = messages(model, LoadParameters(), 5.0, noisy=False, rest=2.0)
+    motion, _ = motion_of(model.robot, recording_of(stream, model.robot.joints))
+    evidence = prepare(model.robot, 'made up', motion, LoadParameters())
+    off = np.array([0.5, 1.0, 1.5, 2.0])
+    (where,) = [w for use, w in model.slices() if use.name == 'torque_offset' and use.joint == 1]
+    mean = model.mean.copy()
+    mean[where] -= off[1]
+    clean, wrong = torque_rmse(model, [evidence]), torque_rmse(replace(model, mean=mean),
+                                                              [evidence])
+    assert np.all(clean < 0.3 * off)
+    assert wrong[1] == pytest.approx(np.hypot(off[1], clean[1]), rel=0.1)
+    np.testing.assert_allclose(np.delete(wrong, 1), np.delete(clean, 1))
+
+
+# Runs.
+
+def identified_again(model, evidence, test):
+    """Diagnose without choosing: the default effects once more, on the changed arm."""
+    n = model.robot.n
+    found = Finding('viscous_friction', (model.robot.joints[1],), {'coefficient': (1.0, 0.1, 'x')},
+                    np.zeros(n), Evidence(9.0, 1.0, 3.0, 20, 40, 1.0), (), '', True, CONFIRMED)
+    zero = np.zeros(n)
+    diagnosis = Diagnosis(model.robot.name, tuple(model.robot.joints), zero, zero, zero, (found,),
+                          zero)
+    return diagnosis, identify(model.robot, evidence), 1.0
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """Return the path of a small arm's robot file; recordings are brief, no diagnosis is made."""
+    brief = (('excite', 20.0, 12.0), ('pick_place', 30.0, 8.0))
+    monkeypatch.setattr(cases, 'IDENTIFICATION', brief)
+    monkeypatch.setattr(cases, 'DURATION', 5.0)
+    monkeypatch.setattr(effect_recordings, 'DIAGNOSED', brief)
+    monkeypatch.setattr(effect_recordings, 'TESTED', (('excite', 25.0, 6.0),))
+    monkeypatch.setattr(effect_recordings, 'LOADED', 1)
+    monkeypatch.setattr(effect_measure, 'diagnosis_of', identified_again)
+    path = tmp_path / 'arm.yaml'
+    path.write_text(yaml.safe_dump(four_axes().file.content))
+    return path
+
+
+def test_a_small_case_from_plant_to_result(small, tmp_path, monkeypatch):
+    case = EffectCase('single', PLANT, (Hidden('viscous_friction', 5.0, (1,)),))
+    (found,) = effect_run.run_cases([case], small, tmp_path / 'raw', workers=0)
+    assert [p.name for p in (tmp_path / 'raw').iterdir()] == [f'{case.label}.json']
+    assert judge(found)[0][0]['outcome'] == 'found'
+    (figure,) = found['parameters']
+    assert figure['estimate'] == pytest.approx(figure['truth'], rel=0.2)
+    torque = {key: np.array(value) for key, value in found['torque'].items()}
+    assert torque['before'][1] > 2.0 * torque['without'][1]
+    assert torque['after'][1] < 1.5 * torque['without'][1]
+    assert set(found['mass']) == {'before', 'after', 'without'}
+    assert all(len(errors) == 1 for kind in found['mass'].values() for errors in kind.values())
+    # What is there is read, not made again.
+    monkeypatch.setattr(effect_measure, 'case_result', None)
+    assert effect_run.run_cases([case], small, tmp_path / 'raw', workers=0) == [found]
+    assert 'viscous_friction' in effects_markdown([found], '', '')
+
+
+def test_what_cannot_be_made_is_skipped_with_its_reason(small, tmp_path):
+    case = EffectCase('single', PLANT, (
+        Hidden('temperature_dependent_viscous_friction', 500.0, (0, 1)),))
+    (found,) = effect_run.run_cases([case], small, tmp_path / 'raw', workers=0)
+    assert 'so strong' in found['skipped'] and not effect_rows([found])
+
+
+def test_a_broken_case_is_told_and_tried_again(tmp_path, monkeypatch):
+    def breaks(case, robot_path):
+        raise ValueError('broke')
+    monkeypatch.setattr(effect_measure, 'case_result', breaks)
+    case = EffectCase('clean', PLANT)
+    found, fresh = effect_run._measure(case, 'arm', tmp_path)
+    assert found['failed'] == 'ValueError: broke' and fresh and not list(tmp_path.iterdir())
+
+
+def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
+    """Cases measured before are read by the workers, not measured again."""
+    chosen = suite_cases(ur10e())[:3]
+    monkeypatch.setattr(effect_run, 'suite_cases', lambda robot: chosen)
+    monkeypatch.setattr(effect_run, 'commit_now', lambda: 'abc')
+    raw, told = tmp_path / 'raw', []
+    raw.mkdir()
+    for case in chosen:
+        hidden = [(h.name, (JOINT,) if h.joints else ()) for h in case.hidden]
+        (raw / f'{case.label}.json').write_text(json.dumps(result(hidden, [], case.kind)))
+    page = effect_run.run_effects('ur10e', tmp_path, 'the command', told.append)
+    assert 'the command' in page and told == ['3 of 3 cases are there']
+    assert (tmp_path / 'README.md').read_text() == page
+    assert json.loads((tmp_path / 'scores.json').read_text())['suite'] == 'effects'
+    monkeypatch.setattr(effect_run, 'commit_now', lambda: 'def')
+    with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):
+        effect_run.run_effects('ur10e', tmp_path, 'the command', told.append)
+
+
+def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
+    called = []
+    monkeypatch.setattr(effect_run, 'run_effects', lambda *args: called.append(args) or 'page')
+    assert cli.main(['benchmark', '--suite', 'effects', '--out', str(tmp_path)]) == 0
+    assert called[0][:2] == ('ur10e', str(tmp_path)) and 'page' in capsys.readouterr().out
+    assert cli.main(['benchmark', '--suite', 'effects', '--learned', 'x', '--out', 'y']) == 2
+    assert '--learned' in capsys.readouterr().err

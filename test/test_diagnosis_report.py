@@ -1,0 +1,260 @@
+"""The report of a diagnosis: JSON by the contract, one page that needs no other file."""
+
+import base64
+import dataclasses
+import json
+import re
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.report import diagnosis_json, diagnosis_page
+from hand_load_estimator.residual.diagnosis import (CONFIRMED, SUSPECTED, UNKNOWN, Diagnosis,
+                                                    Evidence, Finding, LoadError, Picture)
+
+JOINTS = ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
+          'wrist_2_joint', 'wrist_3_joint')
+VOID = {'meta', 'img', 'br', 'wbr'}
+
+
+def picture(joint, variable, x, function, noise=0.15):
+    """Return residual bins scattered about function(x), and that function as the fit."""
+    curve = function(x)
+    mean = curve + noise * np.random.default_rng(3).normal(size=len(x))
+    return Picture(joint, variable, x, mean, np.full(len(x), noise), curve, curve - 0.12,
+                   curve + 0.12)
+
+
+def ripple():
+    """Return a torque ripple of the elbow, beyond doubt."""
+    return Finding(
+        'torque_ripple', ('elbow_joint',),
+        {'amplitude': (2.71, 0.031, 'Nm'), 'phase': (0.82, 0.012, 'rad'),
+         'period': (0.0628, 0.0, 'rad')},
+        np.array([0.0, 0.0, 0.71, 0.0, 0.0, 0.0]),
+        Evidence(1412.0, 96.0, 11.2, 18, 143, 1.92, 'cable_drag', 655.0), (), '', False,
+        CONFIRMED, (picture('elbow_joint', 'position within one period [rad]',
+                            np.linspace(0.0, 0.0628, 26), lambda x: 2.7 * np.sin(100.0 * x)),))
+
+
+def spring():
+    """Return a spring on two joints that these recordings cannot tell from a link's inertia."""
+    joints = ('shoulder_lift_joint', 'wrist_1_joint')
+    position = np.linspace(-1.8, 1.8, 30)
+    pictures = (picture(joints[0], 'position [rad]', position, lambda q: 6.0 * np.sin(q - 0.4)),
+                picture(joints[1], 'position [rad]', position, lambda q: 0.8 * np.sin(q), 0.06))
+    parameters = {f'torque ({joints[0]})': (6.02, 0.4, 'Nm'),
+                  f'slope ({joints[1]})': (-3.1e-5, 4e-6, 'Nm s/(rad K^2)')}
+    return Finding(
+        'gravity_spring', joints, parameters, np.array([0.0, 0.46, 0.0, 0.31, 0.0, 0.0]),
+        Evidence(84.0, 19.0, 11.2, 18, 143, 4.1, 'cable_drag', 12.5),
+        ('link_inertia', 'cable_drag'), 'turn shoulder_lift_joint by a full turn, slowly.', True,
+        SUSPECTED, pictures)
+
+
+def unknown():
+    """Return structure that no effect of the vocabulary explains."""
+    speed = np.linspace(-2.0, 2.0, 32)
+    return Finding(
+        UNKNOWN, ('wrist_2_joint',), {}, np.array([0.0, 0.0, 0.0, 0.0, 0.37, 0.0]),
+        Evidence(51.0, 11.0, 11.2, 18, 143, 0.4), (), '', False, SUSPECTED,
+        (picture('wrist_2_joint', 'velocity [rad/s]', speed,
+                 lambda v: v / (0.2 + (np.abs(v) - 1.0) ** 2) / 5.0, 0.08),))
+
+
+def found():
+    """Return a diagnosis with three findings."""
+    return Diagnosis(
+        'ur10e', JOINTS, np.array([1.31, 5.2, 2.41, 0.83, 0.57, 0.36]),
+        np.array([1.30, 3.1, 1.33, 0.71, 0.46, 0.36]),
+        np.array([1.2, 1.22, 0.93, 0.35, 0.36, 0.34]), (ripple(), spring(), unknown()),
+        np.array([0.02, 0.31, 0.004, 0.12, 0.04, np.nan]),
+        ('cannot tell the temperature of Coulomb from that of viscous friction because all '
+         'recordings are between 24 and 26 degC',),
+        LoadError(0.412, 0.0141, 12), LoadError(0.122, 0.0062, 12), '',
+        ('monday_cold', 'monday_warm', 'tuesday_fast'), 'the recording tuesday_fast', 97.4,
+        ('wrist_1_joint: slow change over time, largest in monday_cold',))
+
+
+def nothing():
+    """Return the diagnosis of a model that lacks nothing."""
+    error = np.array([1.24, 1.25, 0.94, 0.36, 0.36, 0.35])
+    return Diagnosis('ur10e', JOINTS, error, error, 0.98 * error, (), np.full(6, 0.01),
+                     load_reason='no loaded recordings with known loads were given.',
+                     recordings=('monday',), tested_on='the last quarter of monday',
+                     seconds=41.0)
+
+
+class Reader(HTMLParser):
+    """Collects visible text, images and tags that are not closed in order."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.text, self.images, self.attributes = [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += attrs
+        if tag == 'img':
+            self.images.append(dict(attrs))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if 'style' not in self.open:
+            self.text.append(data)
+
+    def words(self):
+        return re.sub(r'\s+', ' ', ''.join(self.text).replace('\u00ad', ''))
+
+
+@pytest.fixture(scope='module', name='read')
+def read_page(tmp_path_factory):
+    """Return the page of the three findings as a browser reads it."""
+    path = tmp_path_factory.mktemp('report') / 'report.html'
+    diagnosis_page.write_page(path, found())
+    return Reader(path.read_text(encoding='utf-8'))
+
+
+def test_json_has_the_keys_of_the_contract():
+    content = diagnosis_json.diagnosis_content(found())
+    assert content['schema'] == 'hand_load/diagnosis/1'
+    assert content['joints'] == list(JOINTS)
+    assert content['before']['torque_rmse'][2] == 2.41
+    assert content['after']['torque_rmse'][2] == 1.33
+    assert content['noise_floor'][0] == 1.2
+    effect = content['effects'][0]
+    assert effect['parameters']['amplitude'] == {'mean': 2.71, 'std': 0.031, 'unit': 'Nm'}
+    assert effect['explained'] == [0.0, 0.0, 0.71, 0.0, 0.0, 0.0]
+    assert effect['evidence']['next_best'] == 'cable_drag'
+    assert effect['verdict'] == 'confirmed'
+    assert content['effects'][1]['alternatives'] == ['link_inertia', 'cable_drag']
+    assert content['load_error'] == {
+        'before': {'mass_rmse': 0.412, 'com_rmse': 0.0141, 'n': 12},
+        'after': {'mass_rmse': 0.122, 'com_rmse': 0.0062, 'n': 12}}
+    assert 'load_error_reason' not in content
+
+
+def test_json_is_strict_and_tells_what_is_not_known():
+    content = diagnosis_json.diagnosis_content(found())
+    assert content['unexplained'][5] is None
+    assert content['effects'][2]['evidence']['margin'] is None
+    assert json.loads(json.dumps(content, allow_nan=False)) == content
+
+
+@pytest.mark.parametrize('missing', ['load_before', 'load_after'])
+def test_json_has_a_load_error_with_both_sides_only(missing):
+    half = dataclasses.replace(found(), **{missing: None}, load_reason='no known loads')
+    content = diagnosis_json.diagnosis_content(half)
+    assert content['load_error'] is None
+    assert content['load_error_reason'] == 'no known loads'
+
+
+def test_headline_names_joint_effect_and_errors():
+    assert diagnosis_page.headline(found()) == \
+        'Joint elbow_joint: torque ripple found, torque error 2.41 → 1.33 Nm'
+
+
+@pytest.mark.parametrize(('finding', 'begins'), [
+    (spring(), 'Joints shoulder_lift_joint and wrist_1_joint: gravity spring may have changed, '
+               'torque error of shoulder_lift_joint 5.20 → 3.10 Nm'),
+    (dataclasses.replace(ripple(), name='time_delay', joints=JOINTS),
+     'All joints: time delay found, torque error of elbow_joint 2.41 → 1.33 Nm'),
+    (unknown(), 'Joint wrist_2_joint: an effect of unknown kind suspected')])
+def test_headline_of_other_findings(finding, begins):
+    diagnosis = dataclasses.replace(found(), findings=(finding,))
+    assert diagnosis_page.headline(diagnosis).startswith(begins)
+
+
+def test_headline_prefers_what_is_confirmed():
+    diagnosis = dataclasses.replace(found(), findings=(unknown(), ripple()))
+    assert 'torque ripple found' in diagnosis_page.headline(diagnosis)
+
+
+def test_headline_does_not_call_structure_a_fit():
+    assert diagnosis_page.headline(nothing()).startswith('No missing effect found')
+    left = np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0])
+    doubtful = diagnosis_page.headline(dataclasses.replace(nothing(), unexplained=left))
+    assert 'does not fit' in doubtful and 'elbow_joint' in doubtful
+    lost = dataclasses.replace(nothing(), unexplained=np.full(6, np.nan))
+    assert 'cannot tell' in diagnosis_page.headline(lost)
+    assert 'Nothing of weight' not in diagnosis_page.page(lost)
+
+
+def test_page_needs_nothing_from_outside(read):
+    assert read.open == []
+    for key, value in read.attributes:
+        if key in ('src', 'href'):
+            assert value.startswith(('data:', '#effect-')), value
+    assert ('name', 'viewport') in read.attributes
+    assert '@media print' in diagnosis_page.page(nothing())
+
+
+def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
+    assert len(read.images) == 1 + 4
+    for image in read.images:
+        root = ElementTree.fromstring(base64.b64decode(image['src'].partition('base64,')[2]))
+        assert root.tag.endswith('svg') and len(list(root.iter())) > 100
+        assert image['alt']
+
+
+@pytest.mark.parametrize('words', [
+    'never used for fitting or choosing', 'the recording tuesday_fast',
+    'shoulder_lift_joint5.203.101.2231 %',
+    'mass [kg]0.4120.122', 'centre of mass [mm]14.16.20',
+    '1412 ± 192 nats', 'Needed: 11.2 nats, with 143 hypotheses tried',
+    'Next best explanation: cable drag, 655 nats behind',
+    'cannot tell it from link inertia and cable drag', 'by a full turn, slowly.',
+    'had this effect already', 'depends on velocity [rad/s] at wrist_2_joint',
+    'amplitude2.710 ± 0.062 Nm', '0.820 ± 0.024 rad (47.0 ± 1.4°)',
+    '0.06280 rad (3.598°), no interval',
+    '(−3.10 ± 0.80)·10−5 Nm s/(rad K2)', 'Cannot tell the temperature of Coulomb from that',
+    'slow change over time', 'monday_warm', '71 % at elbow_joint'])
+def test_page_says(read, words):
+    assert words in read.words()
+
+
+def test_page_of_an_empty_diagnosis_reads_well():
+    words = Reader(diagnosis_page.page(nothing())).words()
+    assert 'No missing effect found' in words
+    assert 'Not known: no loaded recordings with known loads were given.What' in words
+    assert 'Nothing of weight' in words
+    assert 'nan' not in words and 'None' not in words
+
+
+def test_names_are_text_not_markup():
+    evil = '<b>$x_{</b>&'
+    finding = dataclasses.replace(
+        ripple(), joints=(evil,), parameters={evil: (1.0, 0.1, evil)}, advice=evil,
+        alternatives=(evil,), explained=np.ones(1), pictures=(dataclasses.replace(
+            ripple().pictures[0], joint=evil, variable=evil),))
+    diagnosis = dataclasses.replace(
+        found(), robot=evil, joints=(evil,), findings=(finding,), tested_on=evil,
+        recordings=(evil,), cannot_tell=(evil,), remains=(evil,), before=np.ones(1),
+        after=np.ones(1), noise_floor=np.ones(1), unexplained=np.ones(1),
+        load_before=None, load_reason=evil)
+    text = diagnosis_page.page(diagnosis)
+    assert '<b>' not in text
+    assert Reader(text).open == []
+
+
+def test_what_is_not_known_is_told_so():
+    lost = np.full(6, np.nan)
+    blank = dataclasses.replace(ripple().pictures[0], **{
+        name: np.full(26, np.nan) for name in ('mean', 'std', 'curve', 'low', 'high')})
+    finding = dataclasses.replace(ripple(), explained=lost, pictures=(blank,),
+                                  parameters={'amplitude': (np.nan, np.nan, 'Nm')})
+    diagnosis = dataclasses.replace(found(), before=lost, after=lost, noise_floor=lost,
+                                    unexplained=lost, findings=(finding,))
+    words = Reader(diagnosis_page.page(diagnosis)).words()
+    assert 'not known' in words and 'nan' not in words.lower()
+
+
+def test_the_same_diagnosis_gives_the_same_page():
+    assert diagnosis_page.page(found()) == diagnosis_page.page(found())

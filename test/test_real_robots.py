@@ -1,0 +1,201 @@
+"""Robot files, runs and table of the measured sets; those that need data skip without it."""
+
+from functools import cache
+import json
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from ros_helpers import ROOT
+
+sys.path.insert(0, str(ROOT / 'scripts'))
+
+from real_recordings import __main__ as command  # noqa: E402
+from real_recordings.robots import ARMS, write_robot_file  # noqa: E402
+from real_recordings.sets import SETS, cut, stage  # noqa: E402
+from real_recordings.table import HEAD, table  # noqa: E402
+
+from hand_load_estimator.cli import main  # noqa: E402
+from hand_load_estimator.errors import RecordingError  # noqa: E402
+from hand_load_estimator.recording import (  # noqa: E402
+    JointSample, TemperatureSample, arrays, read_recording)
+from hand_load_estimator.recording_check import check_recording  # noqa: E402
+from hand_load_estimator.robot import load_robot  # noqa: E402
+from hand_load_estimator.shared_files import find_shared  # noqa: E402
+
+DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
+needs_data = pytest.mark.skipif(
+    not (DATA / 'kr300').is_dir(),
+    reason=f'no recordings at {DATA}; set HAND_LOAD_DATA to the folder that holds all sets')
+# Joints whose torque is far above friction, and the largest share of it that may stay
+# unexplained. kr300's axis 2 is not among them: it has the balancer the diagnosis is to find.
+BIG = {'ur10': ([1, 2], 0.1), 'panda': ([1, 2, 3], 0.1), 'lwr4': ([1, 3], 0.1),
+       'kr300': ([0, 2], 0.15), 'staubli_tx40': ([0, 1, 2], 0.15)}
+
+
+def robot_of(name, folder):
+    robot = SETS[name].robot
+    return str(write_robot_file(robot, DATA, folder) if robot in ARMS
+               else find_shared(robot, 'robots'))
+
+
+@cache
+def first_run(name, joints):
+    """Return arrays of a set's first training run, read once: it takes seconds."""
+    return arrays(read_recording(DATA / name / SETS[name].train[0]), joints)
+
+
+@needs_data
+@pytest.mark.parametrize('name', SETS)
+def test_the_robot_file_fits_the_recordings(name, tmp_path):
+    robot = load_robot(robot_of(name, tmp_path))
+    time, position, velocity, effort = first_run(name, robot.joints)
+    assert len(time) > 1000
+    torque = np.abs(effort * robot.effort.torque_constants).max(axis=0)
+    assert (torque < robot.limits.torque).all()
+    assert (torque > 1e-3 * robot.limits.torque).all()
+    # Fast motions of the TX40 pass the data sheet's speed by 1 %.
+    assert (np.abs(velocity).max(axis=0) < 1.02 * robot.limits.velocity).all()
+    assert (position > robot.limits.lower).all() and (position < robot.limits.upper).all()
+
+
+@needs_data
+@pytest.mark.parametrize('name', ['staubli_tx40', 'kr300', 'nist_ur5'])
+def test_check_finds_nothing_wrong(name, tmp_path):
+    robot = load_robot(robot_of(name, tmp_path))
+    train, _ = stage(SETS[name], DATA / name, tmp_path / 'runs')
+    findings = {f.item: f for f in check_recording(read_recording(train[0]), robot).findings}
+    assert [f.text for f in findings.values() if f.verdict == 'wrong'] == []
+    assert findings['effort unit'].verdict == 'ok'
+    # Turned about by its balancer, axis 2 of the kr300 leaves these two open.
+    assert findings['effort sign'].verdict == 'ok' or name == 'kr300'
+    assert findings['gravity'].verdict == 'ok'
+
+
+@needs_data
+@pytest.mark.parametrize('name', BIG)
+def test_it_identifies(name, tmp_path, capsys):
+    train, _ = stage(SETS[name], DATA / name, tmp_path / 'runs')
+    robot, out = robot_of(name, tmp_path), tmp_path / 'model.yaml'
+    assert main(['identify', str(train[0]), '--robot', robot, '--effects',
+                 ','.join(SETS[name].effects), '--out', str(out)]) == 0
+    noise = [float(line.split()[1]) for line in capsys.readouterr().out.splitlines()[2:]]
+    effort = first_run(name, load_robot(robot).joints)[3]
+    joints, share = BIG[name]
+    rms = np.sqrt(np.mean(effort ** 2, axis=0))
+    assert (np.array(noise)[joints] < share * rms[joints]).all(), noise / rms
+
+
+@needs_data
+@pytest.mark.parametrize('name', SETS)
+def test_no_run_is_learned_from_and_tested(name):
+    chosen = SETS[name]
+    assert not set(chosen.train) & set(chosen.test)
+    assert chosen.test or len(chosen.train) == 1
+    assert all((DATA / name / run).is_dir() for run in chosen.train + chosen.test)
+
+
+@needs_data
+@pytest.mark.parametrize('name', ['staubli_tx40', 'nist_ur5'])
+def test_no_moment_of_one_recording_is_learned_from_and_tested(name, tmp_path):
+    chosen = SETS[name]
+    train, test = (read_recording(parts[0]) for parts in
+                   stage(chosen, DATA / name, tmp_path / 'runs'))
+    whole = read_recording(DATA / name / chosen.train[0])
+    assert len(train.samples) + len(test.samples) == len(whole.samples)
+    assert train.joint_samples[-1].stamp < test.joint_samples[0].stamp
+    assert train.load_known and test.load_known
+    assert bool(whole.temperature_samples) == bool(test.temperature_samples)
+
+
+@needs_data
+def test_a_linked_run_states_the_load_and_leaves_the_source_alone(tmp_path):
+    train, _ = stage(SETS['kr300'], DATA / 'kr300', tmp_path / 'runs')
+    assert read_recording(train[0]).load.mass == 150.0
+    assert not (DATA / 'kr300' / 'trajectory_A' / 'load.yaml').exists()
+
+
+def samples_moving_until(end):
+    return [sample for k in range(100) for sample in (
+        JointSample(0.1 * k, ('a',), np.zeros(1), np.full(1, float(0.1 * k < end)), np.zeros(1)),
+        TemperatureSample(0.1 * k, 'a', 25.0))]
+
+
+def test_a_cut_shares_the_motion_and_not_the_rest():
+    first, last = cut(samples_moving_until(5.0), 0.8)
+    assert first[-1].stamp == pytest.approx(3.9) and last[0].stamp == pytest.approx(4.0)
+    assert len(first) + len(last) == 200
+
+
+def test_a_standing_arm_cannot_be_cut():
+    with pytest.raises(RecordingError, match='never moves'):
+        cut(samples_moving_until(0.0), 0.7)
+
+
+def report_of(effects):
+    """Return what `hand_load diagnose` writes for two joints, as far as the table reads it."""
+    return {'schema': 'hand_load/diagnosis/1', 'joints': ['lift', 'twist'],
+            'before': {'torque_rmse': [412.345, None]}, 'after': {'torque_rmse': [0.12345, 2.0]},
+            'effects': effects}
+
+
+def effect(name, joints, verdict='confirmed', alternatives=()):
+    return {'name': name, 'joints': joints, 'verdict': verdict, 'alternatives': alternatives}
+
+
+def test_the_table_names_effects_at_their_joints():
+    lines = table({'kr300': report_of([
+        effect('gravity_spring', ['lift'], alternatives=['link_inertia']),
+        effect('time_delay', ['lift', 'twist'], 'suspected')])}).splitlines()
+    assert lines[:2] == list(HEAD)
+    assert lines[2] == ('| kr300 | lift | 412 -> 0.123 | `gravity_spring` or `link_inertia` '
+                        '(confirmed), `time_delay` (suspected) |')
+    assert lines[3] == '| kr300 | twist | - -> 2 | `time_delay` (suspected) |'
+
+
+def test_a_joint_without_effects_says_none():
+    assert table({'arm': report_of([])}).splitlines()[2].endswith('| none |')
+
+
+def test_a_sentence_cannot_break_the_table():
+    row = table({'arm': 'a|b\nand more'}).splitlines()[2]
+    assert row == '| arm | all | - | failed: a/b and more |'
+
+
+@needs_data
+def test_a_set_that_fails_does_not_stop_the_others(tmp_path, monkeypatch, capsys):
+    asked = []
+
+    def fake(*arguments):
+        asked.append(arguments)
+        if arguments[0] == 'diagnose':
+            folder = Path(arguments[arguments.index('--out') + 1])
+            if folder.name == 'ur10':
+                raise command.SetFailed('hand_load diagnose: no reason')
+            folder.mkdir()
+            (folder / 'report.json').write_text(json.dumps(report_of([])))
+
+    monkeypatch.setattr(command, 'hand_load', fake)
+    assert command.main(DATA, tmp_path, 'ur10', 'lwr4') == 1
+    text = (tmp_path / 'table.md').read_text()
+    assert '| ur10 | all | - | failed: hand_load diagnose: no reason |' in text
+    assert '| lwr4 | lift |' in text
+    assert capsys.readouterr().out.startswith('1 of 2: ur10 ')
+    diagnose = next(a for a in asked if a[0] == 'diagnose' and 'lwr4' in str(a[-1]))
+    test = diagnose[diagnose.index('--test') + 1:]
+    assert [path.name for path in test] == ['measurements_3']
+
+
+def test_a_wrong_set_is_refused(tmp_path, capsys):
+    assert command.main(tmp_path, tmp_path, 'ur11') == 2
+    assert 'no such set: ur11' in capsys.readouterr().err
+
+
+def test_missing_data_ends_with_2(tmp_path):
+    done = subprocess.run([ROOT / 'scripts' / 'real_diagnose', tmp_path / 'nothing'],
+                          capture_output=True, text=True, timeout=20)
+    assert done.returncode == 2
+    assert 'is not there' in done.stderr and len(done.stderr.splitlines()) == 1
