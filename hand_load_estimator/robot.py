@@ -135,6 +135,12 @@ class Robot:
         self.model.gravity.linear = gravity
         return np.stack(columns, axis=-1)
 
+    def hand_jacobian(self, q):
+        """Return (3, n): velocity of the load frame's origin, in base axes, per joint speed."""
+        frame = self.model.getFrameId(self.load_frame)
+        return pin.computeFrameJacobian(self.model, self._data, q, frame,
+                                        pin.LOCAL_WORLD_ALIGNED)[:3].copy()
+
     def mass_matrix(self, q):
         """Return the joint-space mass matrix (n, n) of the nominal links."""
         upper = np.triu(pin.crba(self.model, self._data, q))

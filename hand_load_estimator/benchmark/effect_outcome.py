@@ -13,8 +13,10 @@ SUSPECTED = 'suspected'
 CONFUSED = 'confused'
 MISSED = 'missed'
 RIGHT = (FOUND, BOTH, EXCLUDED)
-# Sets of section 4 of the design.
+# Sets of section 4 of the design, and one more: an offset and a friction of unequal levels differ
+# only at standstill, where presliding hides either.
 INSEPARABLE = (
+    {'torque_offset', 'friction_asymmetry'},
     {'gravity_spring', 'link_inertia'}, {'gravity_spring', 'cable_drag'},
     {'presliding_hysteresis', 'stribeck_friction'},
     {'temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'},

@@ -8,11 +8,13 @@ import numpy as np
 from ..identification import Evidence as Recorded
 from ..motion import Motion
 from .add import better_model
-from .diagnosis import Diagnosis
+from .diagnosis import UNKNOWN, Diagnosis
+from .contact import contacts_in
 from .find import find_residual
 from .findings import findings_of
 from .limits import refuse_the_useless, saturated_rows, still_joints, temperatures_tell
 from .trace import Trace
+from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
 TEST_SHARE = 0.25
@@ -46,7 +48,15 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('estimating everything together')
     better = better_model(model, trace.steps, evidence) if trace.steps else model
     before, after, floor = _errors(model, better, test)
-    findings = findings_of(model, better, residual, trace, before, after)
+    rest = left_over(model, residual, trace.blocks)
+    events, contacts = contacts_in(model.robot, residual, rest, trace.trials)
+    left = unexplained_joints(model, residual, rest, events)
+    odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
+                       for j in step.chosen.joints)
+    # Bursts of what goes on all the time are no contacts.
+    contacts = () if odd else contacts
+    findings = findings_of(model, better, residual, trace, before, after, odd) \
+        + contacts + unknown_left(model, residual, rest, left, trace)
     cannot = [s for s in (sentence, *still.values(), *sentences) if s]
     return Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
@@ -69,20 +79,23 @@ def _split(recorded):
 
 def _errors(model, better, test):
     """Return RMSE (n,) [Nm] of both models on test data while joints slide, and its noise floor."""
-    old, new = (find_errors(m, test) for m in (model, better))
-    floor = np.sqrt(np.mean(np.diff(new, axis=0) ** 2, axis=0) / NEIGHBOURS)
-    before, after = (np.sqrt(np.mean(e ** 2, axis=0)) for e in (old, new))
+    old, new = (errors_of(m, test) for m in (model, better))
+    floor = _rms(np.diff(new, axis=0)) / np.sqrt(NEIGHBOURS)
+    before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
 
 
-def find_errors(model, evidence):
-    """Return tau_real - tau_mdl (N, n) [Nm], 0 where a joint's friction state is not known."""
+def _rms(errors):
+    """Return the RMS (n,) of what is known in (N, n); 0 for a joint that never slides."""
+    known = np.isfinite(errors)
+    return np.sqrt(np.where(known, errors ** 2, 0.0).sum(axis=0)
+                   / np.maximum(known.sum(axis=0), 1))
+
+
+def errors_of(model, evidence):
+    """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
     residuals = [find_residual(model, [e], cut=False) for e in evidence]
-    moving = np.concatenate([r.moving for r in residuals])
-    errors = np.concatenate([r.residual for r in residuals])
-    share = np.sqrt(np.maximum(moving.mean(axis=0), 1e-9))
-    # The mean over all rows is then the mean over the moving ones.
-    return np.where(moving, errors / share, 0.0)
+    return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
 
 
 def _unexplained(after, floor):

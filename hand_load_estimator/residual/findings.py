@@ -9,15 +9,20 @@ from ..load import PRODUCT_ORDER
 from .confusable import advice
 from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
 from .pictures import picture
-from .trace import SIGMAS
+from .trace import significant
 
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
 
 
-def findings_of(model, better, residual, trace, before, after):
-    """Return the Findings of a finished Trace; what fails the backward check is left out."""
+def findings_of(model, better, residual, trace, before, after, odd=()):
+    """
+    Return the Findings of a finished Trace; what fails the backward check is left out.
+
+    before, after (n,) [Nm]: errors on test data; odd: joints with something unknown, where no
+    effect is confirmed.
+    """
     torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
     found = []
     for step in trace.steps:
@@ -27,18 +32,18 @@ def findings_of(model, better, residual, trace, before, after):
         others = sum((t for key, t in torques.items() if key != id(step)),
                      np.zeros_like(residual.residual))
         found.append(_finding(model, better, residual, trace, step, again, others,
-                              (before, after)))
+                              (before, after), odd))
     return tuple(found)
 
 
-def _finding(model, better, residual, trace, step, again, others, errors):
+def _finding(model, better, residual, trace, step, again, others, errors, odd):
     robot, chosen = model.robot, replace(step.chosen, parts=again.parts)
     torque = chosen.torque(robot.n)
     partial = residual.residual - others
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
     helps = chosen.name == UNKNOWN or errors[1][main] < errors[0][main]
-    sure = again.gain > SIGMAS * again.std and helps
+    sure = significant(again) and helps and (chosen.name == UNKNOWN or main not in odd)
     joints = range(robot.n) if chosen.name == 'base_tilt' else chosen.joints
     return Finding(
         chosen.name, tuple(robot.joints[j] for j in joints),

@@ -14,7 +14,7 @@ from .ripple import likely_periods
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
-KNOTS = 16
+KNOTS = 32
 # What an unknown effect may be a function of; torque through the gear includes the load's.
 VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque': 'gear'}
 

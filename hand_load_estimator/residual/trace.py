@@ -19,6 +19,7 @@ ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
 # effect's torque in units of the model's noise.
 LEAST_GAIN, SIGMAS, LEAST_RMS = 8.0, 3.0, 0.25
+CONSISTENT = 0.8  # share of blocks
 # A declared effect has changed when its torque is so many times what the model expects.
 UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
@@ -154,7 +155,7 @@ class Trace:
         for best in ranked:
             if best.gain < needed:
                 return None
-            if best.gain < SIGMAS * best.std or not self.matters(best):
+            if not significant(best) or not self.matters(best):
                 continue
             return self._step(best, ranked, needed)
         return None
@@ -173,15 +174,18 @@ class Trace:
 
     def _candidates(self):
         """Return the named candidates that are adequate, and the unknowns nothing explains."""
-        scores = [pair for key, pair in self._scores.items() if key not in self._taken]
+        # Where an unknown effect is, anything else would only imitate it.
+        unknown = {j for name, j, _ in self._taken if name == UNKNOWN}
+        scores = [pair for key, pair in self._scores.items()
+                  if key not in self._taken and not unknown & set(pair[0].columns)]
         singles = [single(*pair) for pair in scores]
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
         for name in ONE_CAUSE:
-            parts = tuple(pair for pair in scores
-                          if pair[0].name == name and pair[1].gain > 3.0)
-            if parts:
-                named.append(_joined(name, parts))
+            parts = [pair for pair in scores if pair[0].name == name]
+            strong = tuple(pair for pair in parts if self._strong(*pair))
+            if strong:
+                named.append(_joined(name, strong))
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
@@ -194,6 +198,11 @@ class Trace:
     @staticmethod
     def _share(candidate, joint):
         return sum(score.by_joint.get(joint, 0.0) for _, score in candidate.parts)
+
+    def _strong(self, hypothesis, score):
+        """Tell whether one joint shows a cause of the whole arm by itself."""
+        return score.gain > LEAST_GAIN + np.log(self.trials) \
+            and self.matters(single(hypothesis, score))
 
     def _adequate(self, candidate, best):
         """Tell whether no plain function explains much more where the candidate acts."""
@@ -234,6 +243,16 @@ class Trace:
         self._taken |= {h.key for h, _ in chosen.parts}
         self._scores = {key: pair for key, pair in self._scores.items()
                         if not touched & set(pair[0].columns)}
+
+
+def significant(candidate):
+    """
+    Tell whether a gain is more than chance: by its standard error, or in nearly every block.
+
+    An effect that only warm recordings show gains very unequally and still surely.
+    """
+    return candidate.gain > SIGMAS * candidate.std \
+        or (candidate.by_block > 0.0).mean() > CONSISTENT
 
 
 def _joined(name, parts):

@@ -35,7 +35,7 @@ LIMIT, CALM = 1.75, 1.4
 
 @dataclass(frozen=True)
 class Aged:
-    """A joint with `ratio` times the stated residual, since `since` [s], `motion` [s] of it ago."""
+    """A joint with `ratio` times the stated residual since `since` [s], for `motion` [s] of it."""
 
     joint: str
     ratio: float
@@ -69,8 +69,9 @@ class _Block:
     """
     Means of difference and load columns over some samples, joint by joint while it slides.
 
-    After end(): changes: load changes noticed so far; seconds (n,) of sliding; difference (n,) [Nm]; columns (n, 10); uncertain (n,)
-    [Nm^2]: variance of the torque by what the model says of its own parameters.
+    After end(): changes: load changes noticed so far; seconds (n,) of sliding; difference (n,)
+    [Nm]; columns (n, 10); uncertain (n,) [Nm^2]: variance of the torque by what the model says of
+    its own parameters.
     """
 
     def __init__(self, stamp, n):
@@ -117,12 +118,12 @@ class ResidualWatch:
         self._square, self.seconds = np.zeros(n), np.zeros(n)
         self._since, self._before = np.full(n, np.nan), np.zeros(n)
         self._aged = np.zeros(n, dtype=bool)
-        self._block, self._fresh = None, 0
         self.forget_load()
 
     def forget_load(self):
         """Trust no load until it is known again, as after a reset."""
         self._load, self._waiting = None, deque(maxlen=WAITING)
+        self._block, self._fresh = None, 0
 
     @property
     def ratio(self):
