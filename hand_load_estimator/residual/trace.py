@@ -20,6 +20,8 @@ ROUNDS = 10
 # effect's torque in units of the model's noise.
 LEAST_GAIN, SIGMAS, LEAST_RMS = 8.0, 3.0, 0.25
 CONSISTENT = 0.8  # share of blocks
+# What has no name must gain and matter so many times more.
+UNKNOWN_FACTOR = 4.0
 # A declared effect has changed when its torque is so many times what the model expects.
 UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
@@ -124,7 +126,8 @@ class Trace:
         """Return the Candidate of a step evaluated beside all other steps (backward check)."""
         blocks = self._residual.blocks()
         for other in self.steps + self.drifted:
-            if other is not step:
+            # A plain function would take the place of any effect of its variable.
+            if other is not step and other.chosen.name != UNKNOWN:
                 for hypothesis, _ in other.chosen.parts:
                     blocks.add(hypothesis.columns)
         parts = tuple((h, blocks.evaluate(h.columns)) for h, _ in step.chosen.parts)
@@ -146,7 +149,8 @@ class Trace:
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
         rms = np.sqrt(np.mean(torque ** 2, axis=0))
-        return bool((rms >= LEAST_RMS * self._model.noise).any())
+        least = LEAST_RMS * (UNKNOWN_FACTOR if candidate.name == UNKNOWN else 1.0)
+        return bool((rms >= least * self._model.noise).any())
 
     def _round(self):
         self._evaluate()
@@ -155,7 +159,8 @@ class Trace:
         for best in ranked:
             if best.gain < needed:
                 return None
-            if not significant(best) or not self.matters(best):
+            if not significant(best) or not self.matters(best) or (
+                    best.name == UNKNOWN and best.gain < UNKNOWN_FACTOR * needed):
                 continue
             return self._step(best, ranked, needed)
         return None
