@@ -7,17 +7,17 @@ from .effect import Effect, Shape
 
 def _columns(x, j, shape):
     delays = np.ones(x.q.shape[1])
-    delays[j] = shape['delay']
+    delays[j] = shape['shift']
     return x.late(delays)[:, j][..., None]
 
 
 def _derived(values, shape):
-    return {'delay': (values[0] * shape['delay'], 's')}
+    return {'delay': (values[0] * shape['shift'], 's')}
 
 
 TIME_DELAY = Effect(
     'time_delay', 'effort belongs to an earlier moment than the position beside it',
     'tau(t - d) of the model\'s own torque', (('share', '-'),), (1e-2,), _columns,
-    (Shape('delay', 's', 0.01, (0.003, 0.006, 0.01, 0.015, 0.022, 0.03, 0.045, 0.07)),),
+    (Shape('shift', 's', 0.01, (0.003, 0.006, 0.01, 0.015, 0.022, 0.03, 0.045, 0.07)),),
     in_link_torque=True, against='rate of torque', derived=_derived,
     needs=frozenset({'late'}))

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from ..identification import Evidence as Recorded
+from ..identification import Evidence as Recorded, prior
 from ..motion import Motion
 from .add import better_model
 from .diagnosis import UNKNOWN, Diagnosis
@@ -43,7 +43,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     weights = np.where(saturated, 0.0, residual.weights)
     weights[:, list(still)] = 0.0
     residual = replace(residual, weights=weights)
-    trace = Trace(model, residual, told, progress)
+    own = {e.name for e in evidence} & set(model.recordings)
+    trace = Trace(model, residual, told, _root(model) if own else None, progress)
     trace.run()
     progress('estimating everything together')
     better = better_model(model, trace.steps, evidence) if trace.steps else model
@@ -63,6 +64,11 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         _unexplained(after, floor), tuple(cannot), recordings=tuple(e.name for e in evidence),
         tested_on=tested_on, seconds=time.monotonic() - began,
         remains=_remains(model.robot, after, floor)), better
+
+
+def _root(model):
+    """Return the square root (P, P) of what parameters may be before any recording."""
+    return np.sqrt(prior(model.robot, model.uses, model.links_declared)[1])
 
 
 def _split(recorded):

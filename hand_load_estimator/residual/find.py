@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput
-from ..errors import RecordingError
 from ..presliding import presliding_path, stuck_density
 from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, tilt_columns,
                             torque_columns, uncertain_directions)
@@ -13,6 +12,8 @@ from .blocks import Blocks
 
 # Blocks [s] outlast what colours the residual, and recordings give a good number of them.
 BLOCK, FEWEST_BLOCKS = 4.0, 12
+# Information, in units of the prior's, from which on a direction of the parameters counts.
+TOLD = 0.1
 # Directions of the model's own uncertainty that count as nuisances.
 DIRECTIONS = 20
 
@@ -53,18 +54,30 @@ class Residual:
             self._paths[distance] = np.concatenate(parts)
         return self._paths[distance]
 
-    def blocks(self):
-        """Return the Blocks to compare hypotheses on."""
+    def blocks(self, root=None):
+        """
+        Return the Blocks to compare hypotheses on.
+
+        root (P, P): square root of the covariance that the model's own parameters are fitted with
+        again beside every hypothesis; None keeps them as they are.
+        """
         count, n = self.residual.shape
-        return Blocks(self.residual, self.weights, [np.zeros((count, 0))] * n, self.starts,
-                      self.folds)
+        nuisances = [np.zeros((count, 0)) if root is None else self._leading(j, root)
+                     for j in range(n)]
+        return Blocks(self.residual, self.weights, nuisances, self.starts, self.folds)
+
+    def _leading(self, j, root):
+        """Return (N, R): directions of the parameters that joint j tells anything about."""
+        columns = self.columns[:, j] @ root
+        values, axes = np.linalg.eigh((columns * self.weights[:, j, None]).T @ columns)
+        return columns @ axes[:, values > TOLD]
 
 
 def find_residual(model, evidence, cut=True):
     """
     Return the Residual of a TorqueModel on Evidence (identification.prepare).
 
-    cut: into blocks, to compare hypotheses on. Raises RecordingError where there is too little.
+    cut: into blocks, to compare hypotheses on.
     """
     parts = [_of_recording(model, e) for e in evidence]
     joined = {name: np.concatenate([getattr(p, name) for p in parts])
@@ -129,10 +142,6 @@ def _cut(dt, owner):
     count = len(np.unique(owner))
     total = float(dt.sum())
     length = min(BLOCK, total / FEWEST_BLOCKS)
-    if length < 0.5:
-        raise RecordingError(f'the recordings hold {total:.1f} s of motion; a diagnosis needs '
-                             f'{0.5 * FEWEST_BLOCKS:g} s at least; record a motion of '
-                             '`hand_load excite`')
     starts, owners = [], []
     for k in range(count):
         rows = np.flatnonzero(owner == k)

@@ -44,10 +44,9 @@ class Hypothesis:
 def hypotheses(model, residual, blocks, temperatures_known, done=()):
     """Yield every Hypothesis worth a trial on a Residual, but those whose keys are done."""
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
-    sensed = model.robot.effort.kind == 'link_torque'
     for j in range(n):
         for name, effect in EFFECTS.items():
-            if effect.whole_arm or (name, j, '') in done or (sensed and not effect.in_link_torque):
+            if effect.whole_arm or (name, j, '') in done:
                 continue
             if temperatures_known or 'warmth' not in effect.needs:
                 yield from _of_effect(model, residual, blocks, effect, j)

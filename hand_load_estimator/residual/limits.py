@@ -7,7 +7,7 @@ from ..errors import RecordingError
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
 SATURATED = 0.02       # share of the time at the largest effort
-LEAST_SECONDS = 6.0
+LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
 
 
 def refuse_the_useless(model, evidence):

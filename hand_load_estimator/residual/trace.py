@@ -98,14 +98,18 @@ class Trace:
     """
     Forward selection on a Residual of a TorqueModel.
 
+    root: what Residual.blocks takes, for recordings that the model itself was made from.
+
     steps: what was found; drifted: changes of declared effects no larger than the model says to
     expect; trials: hypotheses tried in the first round.
     """
 
-    def __init__(self, model, residual, temperatures_known, progress=lambda text: None):
+    def __init__(self, model, residual, temperatures_known, root=None,
+                 progress=lambda text: None):
         self._model, self._residual = model, residual
         self._known, self._progress = temperatures_known, progress
-        self.blocks = residual.blocks()
+        self._root = root
+        self.blocks = residual.blocks(root)
         self.steps, self.drifted, self.trials = [], [], 0
         self._declared = {(u.name, u.joint) for u in model.uses}
         self._scores, self._taken = {}, set()
@@ -124,7 +128,7 @@ class Trace:
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps (backward check)."""
-        blocks = self._residual.blocks()
+        blocks = self._residual.blocks(self._root)
         for other in self.steps + self.drifted:
             # A plain function would take the place of any effect of its variable.
             if other is not step and other.chosen.name != UNKNOWN:
