@@ -30,11 +30,16 @@ LEAST_MOTION = 3.0
 
 @dataclass(frozen=True)
 class Evidence:
-    """One recording made ready: name, Motion, torque less the known load's (N, n)."""
+    """
+    One recording made ready: name, Motion, torque less the known load's (N, n) [Nm].
+
+    held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None.
+    """
 
     name: str
     motion: object
     torque: np.ndarray
+    held: np.ndarray | None = None
 
 
 def prepare(robot, name, motion, load):
@@ -42,11 +47,12 @@ def prepare(robot, name, motion, load):
     if len(motion.stamp) == 0:
         raise RecordingError(f'{name}: holds no usable joint states')
     torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
-    if load.mass > 0.0:
-        products = load.to_products()
-        torque -= np.array([robot.load_regressor(q, v, a) @ products
-                            for q, v, a in zip(motion.q, motion.v, motion.a)])
-    return Evidence(name, motion, torque)
+    if load.mass == 0.0:
+        return Evidence(name, motion, torque)
+    products = load.to_products()
+    held = np.array([robot.load_regressor(q, v, a) @ products
+                     for q, v, a in zip(motion.q, motion.v, motion.a)])
+    return Evidence(name, motion, torque - held, held)
 
 
 def prior(robot, uses, links_declared):
@@ -65,7 +71,7 @@ def prior(robot, uses, links_declared):
         # A massless link would fix its own parameters; let it be as doubtful as a small one.
         std[:10 * n] = np.maximum(std[:10 * n], 1e-5)
     for use, where in effect_slices(n, uses):
-        std[where] = robot.limits.torque[use.joint] * np.array(use.effect.prior_std)
+        std[where] = use.effect.std(robot.limits.torque[use.joint])
     return mean, np.diag(std ** 2)
 
 
@@ -78,6 +84,10 @@ def declare(robot, names, temperatures_known):
         raise ConfigurationError('--effects', 'names unknown effects', ', '.join(unknown),
                                  ', '.join(known))
     chosen = [EFFECTS[name] for name in names if name in EFFECTS]
+    searched = [e.name for e in chosen if any(not s.grid for s in e.shapes)]
+    if searched:
+        raise ConfigurationError('--effects', 'names effects whose shape only a residual tells',
+                                 ', '.join(searched), todo='find them with `hand_load diagnose`')
     if robot.effort.kind == 'link_torque' and names is DEFAULT_EFFECTS:
         chosen = [e for e in chosen if e.in_link_torque]
     if not temperatures_known:
@@ -99,7 +109,7 @@ class System:
         layout = ColumnLayout(robot.n, uses)
         inputs = [motion_input(robot, e.motion, distance) for e in evidence]
         self.columns = np.concatenate([
-            torque_columns(robot, layout, x, mean, e.motion.dt)
+            torque_columns(robot, layout, x, mean, e.motion.dt, e.held)
             for (x, _), e in zip(inputs, evidence)])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
@@ -210,7 +220,7 @@ def _joint_costs(robot, uses, system, x, weights):
         yield float(np.sum((target * root - matrix / scale @ solution) ** 2))
 
 
-def _drift(system, residual, weights):
+def drift_of(system, residual, weights):
     """
     Return the std (n, 3) between recordings of offset, Coulomb level and viscous coefficient.
 
@@ -290,7 +300,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
-    residuals = Residuals(rmse_of(robot, system, left_out), intensity, _drift(system, left_out, weights))
+    residuals = Residuals(rmse_of(robot, system, left_out), intensity, drift_of(system, left_out, weights))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

@@ -125,15 +125,34 @@ class Robot:
         """
         Return (n, 2) [Nm/rad]: torque of the links' weight when gravity is turned.
 
-        By one radian to first order, about the base's x and about its y. links (10 n,): products.
+        By one radian to first order about the tilt axes. links (10 n,): products.
         """
+        return np.stack([y @ links for y in self._tilted(q)], axis=-1)
+
+    def tilted_load_columns(self, q):
+        """Return (2, n, 10): the same of a load, as columns for its products."""
+        return np.array([self.load_columns(y) for y in self._tilted(q)])
+
+    def tilt_axes(self):
+        """
+        Return (2, 3): axes about which gravity may be turned; for a level base x and y.
+
+        The base axis least along gravity, and the one across both.
+        """
+        down = self.model.gravity.linear / np.linalg.norm(self.model.gravity.linear)
+        first = np.eye(3)[np.argmin(np.abs(down))]
+        first = first - (first @ down) * down
+        first /= np.linalg.norm(first)
+        return np.array([first, np.cross(first, down)])
+
+    def _tilted(self, q):
         zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()
         columns = []
-        for axis in np.eye(3)[:2]:
+        for axis in self.tilt_axes():
             self.model.gravity.linear = np.cross(axis, gravity)
-            columns.append(self.link_regressor(q, zero, zero) @ links)
+            columns.append(self.link_regressor(q, zero, zero))
         self.model.gravity.linear = gravity
-        return np.stack(columns, axis=-1)
+        return columns
 
     def hand_jacobian(self, q):
         """Return (3, n): velocity of the load frame's origin, in base axes, per joint speed."""

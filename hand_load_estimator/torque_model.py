@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from .effects import EFFECTS, EffectInput
+from .effects.smooth_sign import sign_of
 from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
 
@@ -204,13 +205,13 @@ def _fill(groups, columns, x):
         columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
 
 
-def torque_columns(robot, layout, x, mean=None, dt=None, reported=None, before=None):
+def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
-    between the samples, without which torques stand still; reported (N, n) [Nm]: torque of the
-    drives where it is measured, else as predicted; before: (torque (M, n) [Nm], dt (M,) [s]):
+    between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
+    load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
     what `plain_torque` was at the samples before the first.
     """
     count, n = x.q.shape
@@ -219,10 +220,11 @@ def torque_columns(robot, layout, x, mean=None, dt=None, reported=None, before=N
         columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
     layout.fill(columns, x)
     if layout.needs:
-        plain = columns @ mean
+        held = 0.0 if held is None else held
+        plain = columns @ mean + held
         layout.fill_torque_bound(columns, replace(
-            x, gear=columns[:, :, :layout.links] @ mean[:layout.links],
-            drive=plain if reported is None else reported, rate=_rate(plain, dt, before),
+            x, gear=columns[:, :, :layout.links] @ mean[:layout.links] + held,
+            drive=plain, rate=_rate(plain, dt, before),
             late=lateness(plain, dt, before),
             tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
@@ -242,9 +244,11 @@ def lateness(torque, dt, before=None):
 
     torque (N, n) at samples dt (N,) [s] apart; before: (torque (M, n), dt (M,)) ahead of them.
     """
+    if dt is None:
+        return lambda delays: np.zeros_like(torque)
     past, gaps = (torque[:0], np.zeros(0)) if before is None else before
     series = np.concatenate([past, torque])
-    gaps = np.concatenate([gaps, np.zeros(len(torque)) if dt is None else dt])
+    gaps = np.concatenate([gaps, dt])
     time = np.cumsum(gaps)
 
     def late(delays):
@@ -321,12 +325,12 @@ class ModelFollower:
         self._path.restart()
         self._before = None
 
-    def _columns(self, x, dt, reported):
+    def _columns(self, x, dt):
         model = self.model
         if not model.layout.needs:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
-                                 reported[None], self._before)
+                                 before=self._before)
         self._remember(model.layout.plain_torque(columns, model.mean), dt)
         return columns
 
@@ -342,21 +346,49 @@ class ModelFollower:
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
             sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
-        reported = real_torque(robot, sample.q, sample.effort)
-        columns = self._columns(x, sample.dt, reported)
-        difference = reported - columns[0] @ self.model.mean
+        columns = self._columns(x, sample.dt)
+        difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
         nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
         stuck = stuck_variance(z, doubt, sample.v, self._friction)
         density = self.model.residuals.intensity + 2.0 * STUCK_TIME * stuck
-        return Prediction(difference, robot.load_columns(columns[0, :, :10 * robot.n]),
+        load = robot.load_columns(columns[0, :, :10 * robot.n])
+        if self.model.layout.needs:
+            load = load_through_effects(self.model, columns[0], load, sample)
+        return Prediction(difference, load,
                           nuisances, z, doubt, stuck, density)
 
 
 # Samples of 20 ms kept for effects that look back.
 _REMEMBERED = 8
+
+
+def load_through_effects(model, columns, load, sample):
+    """
+    Return K (n, 10) of a load as effects that depend on torques let it through.
+
+    columns Y (n, P) and load K (n, 10) at a MotionSample. A wrong gain scales the load's torque
+    too, friction grows with it, a leaning base turns its weight. What a delay does to it is left
+    out: it is the rate of the load's torque times the delay.
+    """
+    robot, gain = model.robot, np.ones(model.robot.n)
+    direction = np.sign(columns[:, :10 * robot.n] @ model.mean[:10 * robot.n])
+    turned = np.zeros_like(load)
+    warmth = warmth_of(robot, sample.temperature)
+    for use, where in model.slices():
+        value = model.mean[where]
+        if use.name == 'torque_scale':
+            gain[use.joint] += value[0]
+        elif use.name == 'torque_scale_temperature':
+            gain[use.joint] += value[0] * warmth[use.joint]
+        elif use.name == 'load_dependent_friction':
+            gain[use.joint] += value[0] * direction[use.joint] * sign_of(sample.v[use.joint])
+        elif use.name == 'base_tilt':
+            turned = np.einsum('a,ajk->jk', value, robot.tilted_load_columns(sample.q))
+    return gain[:, None] * load + turned
+
 
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0

@@ -77,7 +77,7 @@ def _finding(finding):
     return {'name': finding.name, 'joints': list(finding.joints), 'verdict': finding.verdict,
             'alternatives': list(finding.alternatives), 'advice': finding.advice,
             'changed': bool(finding.changed),
-            'variables': [*finding.parameters, *(p.variable for p in finding.pictures)],
+            'variables': list(finding.variables),
             'parameters': {name: [float(mean), float(std), unit]
                            for name, (mean, std, unit) in finding.parameters.items()},
             'gain': float(evidence.gain), 'gain_std': float(evidence.gain_std),

@@ -28,8 +28,7 @@ def _tilt(plant, _):
 
 
 def _gain(plant, joint):
-    # The model counts from the reported effort, the plant from the true one.
-    return float(1.0 - 1.0 / plant.truth.effort_gain[joint])
+    return float(plant.truth.effort_gain[joint] - 1.0)
 
 
 def _round_turn(plant, joint):
@@ -104,7 +103,7 @@ def _figures(model, name, joint):
         out = {p: float(v) for (p, _), v in zip(use.effect.parameters, values)}
         out.update({shape: float(v) for shape, v in use.shape.items()})
         if use.effect.derived:
-            out.update({p: float(v) for p, (v, _) in use.effect.derived(values).items()})
+            out.update({p: float(v) for p, (v, _) in use.effect.derived(values, use.shape).items()})
         if name == 'base_tilt':
             out['angle'] = float(np.linalg.norm(values))
         return out

@@ -13,6 +13,6 @@ def _columns(x, j, shape):
 
 BACKLASH = Effect(
     'backlash', 'play: while the torque of the gear changes sign the teeth carry nothing',
-    'Nordin and Gutman 2002', (('loss', '-'), ('lag', 's')), (1e-2, 1e-3), _columns,
+    'Nordin and Gutman 2002', (('loss', '-'), ('lag', 's')), (1.0, 0.05), _columns,
     (Shape('width', 'Nm', 2.0, (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)),), against='gear torque',
-    needs=frozenset({'gear', 'rate'}))
+    needs=frozenset({'gear', 'rate'}), absolute=True)

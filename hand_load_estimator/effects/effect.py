@@ -14,8 +14,8 @@ class EffectInput:
     q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where
     it is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
     model needs them: gear [Nm]: torque through the gear, without friction and rotor; drive [Nm]:
-    torque of the drive as reported; rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]:
-    torque of turning gravity about the base's x and y; late(delays): torque of the drive so many
+    torque of the drive; rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]:
+    torque of turning gravity about Robot.tilt_axes; late(delays): torque of the drive so many
     seconds ago less the torque now, (N, n) for a delay or delays (n,).
     """
 
@@ -50,8 +50,9 @@ class Effect:
     """
     One physical effect, linear in its parameters.
 
-    parameters: (name, unit) each; prior_std: the same number of fractions of the joint's
-    maximum torque, per unit; columns(x, j, shape) -> (N, k) for joint j, where shape maps names
+    parameters: (name, unit) each; prior_std: as many standard deviations, in fractions of the
+    joint's maximum torque per unit, or `absolute`; positive: parameters (by number) that physics
+    allows no other sign; columns(x, j, shape) -> (N, k) for joint j, where shape maps names
     of `shapes` to values; for an array of m joints and arrays of values, (N, m, k).
     in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
     function of, as a picture shows it. default: declared by `identify` unless told otherwise.
@@ -70,9 +71,15 @@ class Effect:
     against: str = 'velocity'
     default: bool = False
     whole_arm: bool = False
+    absolute: bool = False
+    positive: tuple = ()
     derived: Callable | None = None
     # Fields of EffectInput, beside motion and friction state, that the columns read.
     needs: frozenset = frozenset()
+
+    def std(self, torque):
+        """Return the prior's standard deviations (k,) for a joint of maximum torque [Nm]."""
+        return np.array(self.prior_std) * (1.0 if self.absolute else torque)
 
     def default_shape(self):
         """Return the mapping of shape names to defaults."""

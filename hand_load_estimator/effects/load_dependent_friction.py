@@ -12,5 +12,5 @@ def _columns(x, j, _):
 
 LOAD_DEPENDENT_FRICTION = Effect(
     'load_dependent_friction', 'tooth friction grows with the torque the gear carries',
-    'Hamon et al. 2010', (('coefficient', '-'),), (5e-4,), _columns, against='gear torque',
-    needs=frozenset({'gear'}))
+    'Hamon et al. 2010', (('coefficient', '-'),), (0.1,), _columns, against='gear torque',
+    needs=frozenset({'gear'}), absolute=True, positive=(0,))

@@ -12,4 +12,4 @@ PRESLIDING_HYSTERESIS = Effect(
     'presliding_hysteresis', 'friction turns over a short travel after a reversal', 'Dahl 1968',
     (('level', 'Nm'),), (0.1,), _columns,
     (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3)),),
-    against='travel since reversal', default=True)
+    against='travel since reversal', default=True, positive=(0,))

@@ -9,5 +9,5 @@ def _columns(x, j, _):
 
 TORQUE_SCALE = Effect(
     'torque_scale', 'gain of the reported effort: a torque constant that is off',
-    'Gautier and Briot 2014', (('gain', '-'),), (1e-3,), _columns, in_link_torque=True,
-    against='drive torque', needs=frozenset({'drive'}))
+    'Gautier and Briot 2014', (('gain', '-'),), (0.1,), _columns, in_link_torque=True,
+    against='drive torque', needs=frozenset({'drive'}), absolute=True)

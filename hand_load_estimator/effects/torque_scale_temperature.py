@@ -9,5 +9,5 @@ def _columns(x, j, _):
 
 TORQUE_SCALE_TEMPERATURE = Effect(
     'torque_scale_temperature', 'magnets lose strength as they warm: the gain of the effort '
-    'changes', 'Sebastian 1995', (('slope', '1/K'),), (3e-5,), _columns, in_link_torque=True,
-    against='drive torque times warmth', needs=frozenset({'drive', 'warmth'}))
+    'changes', 'Sebastian 1995', (('slope', '1/K'),), (3e-3,), _columns, in_link_torque=True,
+    against='drive torque times warmth', needs=frozenset({'drive', 'warmth'}), absolute=True)

@@ -32,7 +32,8 @@ def _effect(finding):
             'explained': _numbers(finding.explained),
             'evidence': _evidence(finding.evidence),
             'alternatives': list(finding.alternatives), 'verdict': finding.verdict,
-            'advice': finding.advice, 'changed': bool(finding.changed)}
+            'advice': finding.advice, 'changed': bool(finding.changed),
+            'variables': list(finding.variables)}
 
 
 def _one_load_error(error):

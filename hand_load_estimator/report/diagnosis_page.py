@@ -253,9 +253,8 @@ def _physics(finding):
         text = escape(_PHYSICS.get(finding.name, ''))
     if finding.changed:
         text += ' The model had this effect already; the figures below replace its former ones.'
-    if finding.name == UNKNOWN and finding.pictures:
-        seen = dict.fromkeys(f'{p.variable} at {p.joint}' for p in finding.pictures)
-        text += f' It depends on {escape(_list(seen))}.'
+    if finding.variables:
+        text += f' It depends on {escape(_list(finding.variables))}.'
     return f'<p>{text}</p>' if text else ''
 
 

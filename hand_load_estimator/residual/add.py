@@ -4,21 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..identification import System, density, held_out, prior, rmse_of
-from ..torque_model import Residuals, TorqueModel
+from ..identification import System, density, drift_of, held_out, prior, rmse_of
+from ..torque_model import Residuals, TorqueModel, effect_slices
 from .diagnosis import UNKNOWN
 from .hypotheses import EFFECT_FACTOR, with_effect
 
 # What is known of the arm from before stays known, with standard deviations so much wider.
 WIDER = 3.0
+# Of the old model's residual density at least this share stays stated.
+SHOWN = 0.5
 
 
 def better_model(model, steps, evidence):
     """
     Return the TorqueModel with the effects of steps, identified from Evidence.
 
-    The old model's mean and covariance are the prior (eq. 11), except where the recordings are
-    those it was made from: then the robot file's. An `unknown` effect adds nothing.
+    The old model's mean and covariance are the prior (eq. 11), except where all recordings are
+    among those it was made from: then the robot file's. An `unknown` effect adds nothing.
     """
     uses = model.uses
     changed = set()
@@ -29,16 +31,22 @@ def better_model(model, steps, evidence):
                 continue
             uses = with_effect(replace(model, uses=uses), hypothesis)
             changed.add((hypothesis.name, hypothesis.joint))
-    mean, covariance = _prior(model, uses, changed, {e.name for e in evidence})
-    return _identified(model, uses, mean, covariance, evidence)
+    own = made_from(model, evidence)
+    mean, covariance = _prior(model, uses, changed, own)
+    return _identified(model, uses, mean, covariance, evidence, own)
 
 
-def _prior(model, uses, changed, names):
+def made_from(model, evidence):
+    """Tell whether a model was identified from these very recordings."""
+    return {e.name for e in evidence} <= set(model.recordings)
+
+
+def _prior(model, uses, changed, own):
     robot = model.robot
     links = model.links_declared or any(name == 'link_inertia' for name, _ in changed)
     first, wide = prior(robot, uses, links)
-    if names & set(model.recordings):
-        return first, wide
+    if own:
+        return first, _widened(wide, robot, uses, changed)
     mean, covariance = first.copy(), np.zeros_like(wide)
     old = {(use.name, use.joint): where for use, where in model.slices()}
     rows, places = list(range(10 * robot.n)), list(range(10 * robot.n))
@@ -62,7 +70,16 @@ def _prior(model, uses, changed, names):
     return mean, covariance
 
 
-def _identified(model, uses, mean, covariance, evidence):
+def _widened(covariance, robot, uses, changed):
+    """Return the robot file's prior, as wide for what was found as the search allowed."""
+    variance = np.diag(covariance).copy()
+    for use, where in effect_slices(robot.n, uses):
+        if (use.name, use.joint) in changed:
+            variance[where] *= EFFECT_FACTOR ** 2
+    return np.diag(variance)
+
+
+def _identified(model, uses, mean, covariance, evidence, own):
     robot, x, residuals = model.robot, mean, model.residuals
     intensity, friction = residuals.intensity, model.friction_level()
     for _ in range(3):
@@ -71,11 +88,16 @@ def _identified(model, uses, mean, covariance, evidence):
         x, posterior = system.solve(mean, covariance, weights)
         friction = TorqueModel(robot, uses, True, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
-        # A short recording does not show all that the arm did before.
-        intensity = np.maximum(density(left_out, weights, system.owner, system.dt),
-                               0.5 * residuals.intensity)
-    found = Residuals(np.maximum(rmse_of(robot, system, left_out), 0.7 * residuals.rmse),
-                      intensity, residuals.drift)
+        intensity = density(left_out, weights, system.owner, system.dt)
+        if not own:
+            # New recordings need not show all that the old ones did.
+            intensity = np.maximum(intensity, SHOWN * residuals.intensity)
+    rmse = rmse_of(robot, system, left_out)
+    if own:
+        found = Residuals(rmse, intensity, drift_of(system, left_out, weights))
+    else:
+        found = Residuals(np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse), intensity,
+                          residuals.drift)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     temperatures = [t for t in (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)

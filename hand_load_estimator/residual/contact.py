@@ -24,7 +24,7 @@ def contacts_in(robot, residual, rest, trials):
         if share < EXPLAINED:
             continue
         kept[span] = True
-        found.append(_finding(robot, residual, rest, span, (force, std, share, gain), trials))
+        found.append(_finding(robot, residual, rest, span, (force, std, gain), trials))
     return kept, tuple(found)
 
 
@@ -69,7 +69,7 @@ def _fit(robot, residual, rest, span):
 
 
 def _finding(robot, residual, rest, span, fit, trials):
-    force, std, share, gain = fit
+    force, std, gain = fit
     time = residual.time[span]
     rms = np.sqrt((rest[span] ** 2).mean(axis=0))
     parameters = {f'force_{axis}': (force[k], std[k], 'N') for k, axis in enumerate('xyz')}
@@ -83,6 +83,6 @@ def _finding(robot, residual, rest, span, fit, trials):
                     rest[around, main], zero, zero, zero, zero)
     return Finding(
         'external_contact', joints, parameters, np.zeros(robot.n),
-        Evidence(gain, np.sqrt(gain), 0.5 * LEAST, len(residual.starts), trials,
-                 float(rms.max())), (), '', False,
-        CONFIRMED if share > EXPLAINED and gain > LEAST else SUSPECTED, (drawn,))
+        # A push happens once: nothing is left to test it on.
+        Evidence(np.nan, np.nan, np.nan, len(residual.starts), trials, float(rms.max())), (), '',
+        False, CONFIRMED if gain > LEAST else SUSPECTED, (drawn,))

@@ -7,19 +7,17 @@ import numpy as np
 
 from ..identification import Evidence as Recorded, prior
 from ..motion import Motion
-from .add import better_model
+from .add import better_model, made_from
 from .diagnosis import UNKNOWN, Diagnosis
 from .contact import contacts_in
-from .find import find_residual
+from .find import find_residual, noise_floor
 from .findings import findings_of
-from .limits import refuse_the_useless, saturated_rows, still_joints, temperatures_tell
+from .limits import refuse_the_useless, saturated_rows, still_joints, warmed_joints
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
 TEST_SHARE = 0.25
-# Filtered white noise differs from its neighbour 20 ms later by so many of its variances.
-NEIGHBOURS = 2.0 * (1.0 - 0.587)
 
 
 def diagnose(model, evidence, test=(), progress=lambda text: None):
@@ -32,38 +30,54 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     began = time.monotonic()
     refuse_the_useless(model, evidence)
     tested_on = ', '.join(e.name for e in test)
-    if not test:
+    kept = not test
+    if kept:
         evidence, test = zip(*(_split(e) for e in evidence))
         tested_on = 'the last quarter of every recording'
-    told, sentence = temperatures_tell(evidence)
+    warmed, sentences = warmed_joints(model, evidence)
     still = still_joints(model, evidence)
-    saturated, sentences = saturated_rows(model, evidence)
+    saturated, limited = saturated_rows(model, evidence)
     progress('computing the residual')
     residual = find_residual(model, evidence)
     weights = np.where(saturated, 0.0, residual.weights)
     weights[:, list(still)] = 0.0
     residual = replace(residual, weights=weights)
-    own = {e.name for e in evidence} & set(model.recordings)
-    trace = Trace(model, residual, told, _root(model) if own else None, progress)
-    trace.run()
+    own = made_from(model, evidence)
+    trace, rest, events, contacts = _traced(model, residual, warmed, own, progress)
     progress('estimating everything together')
     better = better_model(model, trace.steps, evidence) if trace.steps else model
-    before, after, floor = _errors(model, better, test)
-    rest = left_over(model, residual, trace.blocks)
-    events, contacts = contacts_in(model.robot, residual, rest, trace.trials)
+    # A model made from these recordings has seen what is now kept for the test.
+    old = better_model(model, (), evidence) if own and kept else model
+    before, after, floor = _errors(old, better if trace.steps else old, test)
     left = unexplained_joints(model, residual, rest, events)
     odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
                        for j in step.chosen.joints)
     # Bursts of what goes on all the time are no contacts.
     contacts = () if odd else contacts
-    findings = findings_of(model, better, residual, trace, before, after, odd) \
+    findings = findings_of(model, better, residual, trace, odd) \
         + contacts + unknown_left(model, residual, rest, left, trace)
-    cannot = [s for s in (sentence, *still.values(), *sentences) if s]
+    cannot = [*sentences, *still.values(), *limited]
     return Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=tuple(e.name for e in evidence),
         tested_on=tested_on, seconds=time.monotonic() - began,
         remains=_remains(model.robot, after, floor)), better
+
+
+def _traced(model, residual, warmed, own, progress):
+    """Return (Trace, what is left (N, n), rows of contacts, Findings on them)."""
+    root = _root(model) if own else None
+    for _ in range(2):
+        trace = Trace(model, residual, warmed, root, progress)
+        trace.run()
+        trace.keep_what_still_gains()
+        rest = left_over(model, residual, trace.blocks)
+        events, contacts = contacts_in(model.robot, residual, rest, trace.trials)
+        if not (contacts and trace.steps):
+            break
+        # A contact must not pass for an effect of the arm: once more without it.
+        residual = replace(residual, weights=np.where(events[:, None], 0.0, residual.weights))
+    return trace, rest, events, contacts
 
 
 def _root(model):
@@ -79,23 +93,27 @@ def _split(recorded):
     def part(rows):
         return Recorded(recorded.name, Motion(*(getattr(motion, name)[rows] for name in
                                                 Motion.__dataclass_fields__)),
-                        recorded.torque[rows])
+                        recorded.torque[rows],
+                        None if recorded.held is None else recorded.held[rows])
     return part(slice(0, at)), part(slice(at, None))
 
 
 def _errors(model, better, test):
     """Return RMSE (n,) [Nm] of both models on test data while joints slide, and its noise floor."""
     old, new = (errors_of(m, test) for m in (model, better))
-    floor = _rms(np.diff(new, axis=0)) / np.sqrt(NEIGHBOURS)
+    # Each model knows its friction state at other times; both are judged at the same.
+    old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))
+    floor = noise_floor(new)
     before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
 
 
 def _rms(errors):
-    """Return the RMS (n,) of what is known in (N, n); 0 for a joint that never slides."""
+    """Return the RMS (n,) of what is known in (N, n); NaN for a joint that never slides."""
     known = np.isfinite(errors)
-    return np.sqrt(np.where(known, errors ** 2, 0.0).sum(axis=0)
-                   / np.maximum(known.sum(axis=0), 1))
+    count = known.sum(axis=0)
+    squares = np.where(known, errors ** 2, 0.0).sum(axis=0)
+    return np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))
 
 
 def errors_of(model, evidence):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput
+from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
 from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, tilt_columns,
                             torque_columns, uncertain_directions)
@@ -14,6 +15,12 @@ from .blocks import Blocks
 BLOCK, FEWEST_BLOCKS = 4.0, 12
 # Information, in units of the prior's, from which on a direction of the parameters counts.
 TOLD = 0.1
+# Filtered white noise differs from its neighbour 20 ms later by so many of its variances.
+NEIGHBOURS = 2.0 * (1.0 - 0.587)
+# A model made without an effect took it for noise. What is left may be so many times denser at low
+# frequencies than its white part, but no more; and at least this share of what the model states
+# is noise, because recordings that were smoothed show no white part at all.
+COLOUR, STRUCTURE = 10.0, 0.1
 # Directions of the model's own uncertainty that count as nuisances.
 DIRECTIONS = 20
 
@@ -26,7 +33,8 @@ class Residual:
     x: EffectInput with everything effects may read; torque, residual, weights (N, n) [Nm],
     [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
     starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides;
-    expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by.
+    expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by; noise
+    (n,) [Nm]: what is surely no more than noise of what the model leaves.
     """
 
     x: EffectInput
@@ -41,6 +49,7 @@ class Residual:
     folds: np.ndarray
     moving: np.ndarray
     expected: np.ndarray
+    noise: np.ndarray
     _paths: dict = field(default_factory=dict)
 
     def friction_state(self, distance):
@@ -85,7 +94,9 @@ def find_residual(model, evidence, cut=True):
     x = _joined_input([p.x for p in parts])
     owner = np.concatenate([np.full(len(p.dt), k) for k, p in enumerate(parts)])
     starts, folds = _cut(joined['dt'], owner) if cut else (np.zeros(1, int), np.zeros(1, int))
-    return Residual(x, owner=owner, starts=starts, folds=folds,
+    noise = np.clip(noise_floor(joined['residual']), np.sqrt(STRUCTURE) * model.noise,
+                    model.noise)
+    return Residual(x, owner=owner, starts=starts, folds=folds, noise=noise,
                     expected=_expected(model, joined['columns'], x), **joined)
 
 
@@ -119,21 +130,41 @@ class _Part:
 def _of_recording(model, evidence):
     robot, motion = model.robot, evidence.motion
     x, doubt = motion_input(robot, motion, model.presliding_distance())
-    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt)
-    x = _complete(model, x, columns, motion.dt)
-    level = model.friction_level()
-    density = model.residuals.intensity + stuck_density(x.z, doubt, x.v, level)
+    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.held)
+    x = _complete(model, x, columns, motion.dt, evidence.held)
+    level, residual = model.friction_level(), evidence.torque - columns @ model.mean
+    stated = model.residuals.intensity
+    density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \
+        + stuck_density(x.z, doubt, x.v, level)
     moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
-    return _Part(x, evidence.torque, evidence.torque - columns @ model.mean,
+    return _Part(x, evidence.torque, residual,
                  motion.dt[:, None] / density, columns, motion.dt, motion.stamp, moving)
 
 
-def _complete(model, x, columns, dt):
+def noise_floor(residual):
+    """
+    Return the RMS (n,) of the white noise in a residual (N, n) of the motion filter, 20 ms apart.
+
+    Noise differs from one sample to the next, structure hardly does; NaN rows are left out.
+    """
+    steps = np.diff(residual, axis=0)
+    known = np.isfinite(steps)
+    squares = np.where(known, steps ** 2, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.sqrt(squares / NEIGHBOURS)
+
+
+def white_density(residual):
+    """Return the density (n,) [Nm^2 s] of that noise."""
+    return noise_floor(residual) ** 2 * 16.0 / (3.0 * BANDWIDTH)
+
+
+def _complete(model, x, columns, dt, held):
     """Return an EffectInput with the torques that effects outside the model may read."""
     n, robot = model.robot.n, model.robot
-    predicted = columns @ model.mean
+    held = 0.0 if held is None else held
+    predicted = columns @ model.mean + held
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
-    return replace(x, gear=columns[:, :, :10 * n] @ model.mean[:10 * n], drive=predicted,
+    return replace(x, gear=columns[:, :, :10 * n] @ model.mean[:10 * n] + held, drive=predicted,
                    rate=rate, late=lateness(predicted, dt), tilt=tilt_columns(robot, x.q, model.mean))
 
 

@@ -16,34 +16,29 @@ _MOST_PICTURES = 3
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
 
 
-def findings_of(model, better, residual, trace, before, after, odd=()):
+def findings_of(model, better, residual, trace, odd=()):
     """
-    Return the Findings of a finished Trace; what fails the backward check is left out.
+    Return the Findings of a finished Trace.
 
-    before, after (n,) [Nm]: errors on test data; odd: joints with something unknown, where no
-    effect is confirmed.
+    odd: joints with something unknown, where no effect is confirmed.
     """
     torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
     found = []
     for step in trace.steps:
         again = trace.still_gains(step)
-        if again.gain < step.needed or not trace.matters(again):
-            continue
         others = sum((t for key, t in torques.items() if key != id(step)),
                      np.zeros_like(residual.residual))
-        found.append(_finding(model, better, residual, trace, step, again, others,
-                              (before, after), odd))
+        found.append(_finding(model, better, residual, trace, step, again, others, odd))
     return tuple(found)
 
 
-def _finding(model, better, residual, trace, step, again, others, errors, odd):
+def _finding(model, better, residual, trace, step, again, others, odd):
     robot, chosen = model.robot, replace(step.chosen, parts=again.parts)
     torque = chosen.torque(robot.n)
     partial = residual.residual - others
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
-    helps = chosen.name == UNKNOWN or errors[1][main] < errors[0][main]
-    sure = significant(again) and helps and (chosen.name == UNKNOWN or main not in odd)
+    sure = significant(again) and (chosen.name == UNKNOWN or main not in odd)
     joints = range(robot.n) if chosen.name == 'base_tilt' else chosen.joints
     return Finding(
         chosen.name, tuple(robot.joints[j] for j in joints),

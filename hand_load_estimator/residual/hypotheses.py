@@ -12,6 +12,8 @@ from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
+# A delay delays the whole torque: its share is 1 within this.
+WHOLE = 0.35
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 KNOTS = 32
@@ -25,7 +27,7 @@ class Hypothesis:
     One possible cause: name, joint index, columns {joint: (N, k)} in units of the prior's std.
 
     scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
-    `unknown`, what it is a function of; link: index for link_inertia.
+    `unknown`, what it is a function of; trials: how many shapes were looked at to come to it.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Hypothesis:
     scale: np.ndarray
     shape: dict = field(default_factory=dict)
     variable: str = ''
+    trials: int = 1
 
     @property
     def key(self):
@@ -41,14 +44,18 @@ class Hypothesis:
         return self.name, self.joint, self.variable
 
 
-def hypotheses(model, residual, blocks, temperatures_known, done=()):
-    """Yield every Hypothesis worth a trial on a Residual, but those whose keys are done."""
+def hypotheses(model, residual, blocks, warmed, done=()):
+    """
+    Yield every Hypothesis worth a trial on a Residual, but those whose keys are done.
+
+    warmed: indices of joints whose temperature has changed enough to tell its effects.
+    """
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
     for j in range(n):
         for name, effect in EFFECTS.items():
             if effect.whole_arm or (name, j, '') in done:
                 continue
-            if temperatures_known or 'warmth' not in effect.needs:
+            if j in warmed or 'warmth' not in effect.needs:
                 yield from _of_effect(model, residual, blocks, effect, j)
         if ('link_inertia', j, '') not in done:
             yield _of_link(residual, j, links_prior)
@@ -59,25 +66,25 @@ def hypotheses(model, residual, blocks, temperatures_known, done=()):
 
 
 def _of_effect(model, residual, blocks, effect, j):
-    scale = EFFECT_FACTOR * model.robot.limits.torque[j] * np.array(effect.prior_std)
+    scale = EFFECT_FACTOR * effect.std(model.robot.limits.torque[j])
     if effect.name == 'presliding_hysteresis':
         yield from _presliding(model, residual, j, scale)
         return
-    for shape in _shapes(effect, residual, blocks, j):
+    for shape, trials in _shapes(effect, residual, blocks, j):
         columns = effect.columns(residual.x, j, shape)
-        yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape)
+        yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=trials)
 
 
 def _shapes(effect, residual, blocks, j):
+    """Return (shape, how many were looked at) pairs."""
     if not effect.shapes:
-        return [{}]
+        return [({}, 1)]
     name = effect.shapes[0].name
     if name == 'periods':
-        values = likely_periods(residual.x.q[:, j], residual.x.v[:, j], blocks.left_over(j),
-                                residual.weights[:, j])
-    else:
-        values = effect.shapes[0].grid
-    return [{name: float(value)} for value in values]
+        values, count = likely_periods(residual.x.q[:, j], residual.x.v[:, j],
+                                       blocks.left_over(j), residual.weights[:, j])
+        return [({name: float(value)}, count // len(values)) for value in values]
+    return [({name: float(value)}, 1) for value in effect.shapes[0].grid]
 
 
 def _presliding(model, residual, j, scale):
@@ -115,7 +122,7 @@ def _of_link(residual, j, std):
 
 
 def _tilt(model, residual):
-    scale = np.full(2, 0.05)
+    scale = EFFECT_FACTOR * EFFECTS['base_tilt'].std(1.0)
     return Hypothesis('base_tilt', 0, {j: residual.x.tilt[:, j] * scale
                                        for j in range(model.robot.n)}, scale)
 
@@ -139,13 +146,25 @@ def hats(values, knots):
     return np.stack([np.interp(values, places, row) for row in np.eye(len(places))], axis=1)
 
 
+def physical(hypothesis, score, declared):
+    """
+    Tell whether the fitted parameters are what the effect's physics allows.
+
+    declared: the model has the effect, so that only its change was fitted.
+    """
+    if hypothesis.name not in EFFECTS or declared:
+        return True
+    theta, std = score.theta, np.sqrt(np.diag(score.covariance))
+    positive = all(theta[k] > -2.0 * std[k] for k in EFFECTS[hypothesis.name].positive)
+    if hypothesis.name == 'time_delay':
+        share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
+        return abs(share - 1.0) < max(WHOLE, 3.0 * doubt)
+    return positive
+
+
 def with_effect(model, hypothesis):
-    """Return (uses, index of new use or None) of a model that declares the hypothesis too."""
+    """Return the uses of a model that declares the hypothesis too, with its shape."""
     uses = list(model.uses)
-    if hypothesis.name == 'presliding_hysteresis':
-        return tuple(replace(u, shape={**u.shape, **hypothesis.shape})
-                     if u.name == hypothesis.name and u.joint == hypothesis.joint else u
-                     for u in uses)
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
             if hypothesis.shape:

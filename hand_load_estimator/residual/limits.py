@@ -46,19 +46,20 @@ def _names(evidence):
     return ', '.join(e.name for e in evidence)
 
 
-def temperatures_tell(evidence):
-    """Return whether temperatures vary enough, and the sentence when they do not (or '')."""
-    values = np.concatenate([e.motion.temperature.ravel() for e in evidence])
-    values = values[np.isfinite(values)]
-    if len(values) == 0:
-        return False, 'cannot tell effects of temperature because none was recorded'
-    columns = np.concatenate([e.motion.temperature for e in evidence])
-    with np.errstate(all='ignore'):
-        span = float(np.nanmax(np.nanmax(columns, axis=0) - np.nanmin(columns, axis=0)))
-    if span < LEAST_WARMING:
-        return False, (f'cannot tell effects of temperature because the joints differ by only '
-                       f'{span:.1f} K over all recordings; {LEAST_WARMING:g} K are needed')
-    return True, ''
+def warmed_joints(model, evidence):
+    """Return indices of joints whose temperature changes enough, sentences on the others."""
+    columns = np.concatenate([e.motion.temperature for e in evidence]).T
+    known = [column[np.isfinite(column)] for column in columns]
+    if not any(len(column) for column in known):
+        return (), ['cannot tell effects of temperature because none was recorded']
+    spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
+    warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
+    if not warmed:
+        return (), [f'cannot tell effects of temperature because the joints differ by only '
+                    f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
+    return warmed, [f'cannot tell effects of temperature of {model.robot.joints[j]} because it '
+                    f'differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed'
+                    for j, span in enumerate(spans) if j not in warmed]
 
 
 def still_joints(model, evidence):

@@ -12,13 +12,13 @@ FASTEST = 250.0
 
 def likely_periods(q, v, residual, weights):
     """
-    Return the periods per turn (<= CANDIDATES,) that explain most of a residual.
+    Return periods per turn (<= CANDIDATES,) that explain most of a residual, and how many differ.
 
     q [rad], v [rad/s], residual [Nm], weights, (N,) each. Empty where the joint hardly moves.
     """
     span = float(np.ptp(q))
     if span < 0.05:
-        return np.zeros(0)
+        return np.zeros(0), 0
     step = 0.25 * 2.0 * np.pi / span
     lowest = max(LOWEST, 3.0 * 2.0 * np.pi / span)
     grid = np.arange(lowest, HIGHEST, step)
@@ -26,7 +26,9 @@ def likely_periods(q, v, residual, weights):
     peaks = [k for k in range(1, len(grid) - 1)
              if power[k] >= power[k - 1] and power[k] > power[k + 1]]
     best = sorted(peaks, key=lambda k: -power[k])[:CANDIDATES]
-    return np.array([_refined(q, v, residual, weights, grid[k], step) for k in best])
+    # The grid is four times finer than periods are told apart.
+    return (np.array([_refined(q, v, residual, weights, grid[k], step) for k in best]),
+            len(grid) // 4)
 
 
 def _explained(q, v, residual, weights, periods):

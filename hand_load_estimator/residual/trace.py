@@ -13,7 +13,7 @@ import numpy as np
 
 from .confusable import partners
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, refinable, reshaped
+from .hypotheses import hypotheses, physical, refinable, reshaped
 
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
@@ -29,6 +29,8 @@ UNEXPECTED = 3.0
 ADEQUATE = 0.6
 # Alternatives gain at least this share of the winner's gain, or belong to a known pair and gain ...
 ALIKE, ALIKE_PAIR = 0.85, 0.4
+# ... and are its equals, of which the simplest is taken, from this share on.
+EQUAL = 0.96
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
 ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 
@@ -79,13 +81,12 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Step:
-    """One accepted Candidate with the alternatives' names, needed nats and trials of its round."""
+    """One accepted Candidate with the alternatives' names, the runner-up, the nats needed."""
 
     chosen: Candidate
     alternatives: tuple
     next_best: Candidate | None
     needed: float
-    trials: int
 
 
 def single(hypothesis, score):
@@ -104,10 +105,10 @@ class Trace:
     expect; trials: hypotheses tried in the first round.
     """
 
-    def __init__(self, model, residual, temperatures_known, root=None,
+    def __init__(self, model, residual, warmed, root=None,
                  progress=lambda text: None):
         self._model, self._residual = model, residual
-        self._known, self._progress = temperatures_known, progress
+        self._warmed, self._progress = warmed, progress
         self._root = root
         self.blocks = residual.blocks(root)
         self.steps, self.drifted, self.trials = [], [], 0
@@ -126,8 +127,15 @@ class Trace:
             self._take(step.chosen)
         return self.steps
 
+    def keep_what_still_gains(self):
+        """Backward check: drop named steps that gain no more beside the others."""
+        for step in list(self.steps):
+            again = self.still_gains(step)
+            if again.gain < step.needed or not self.matters(again):
+                self.steps.remove(step)
+
     def still_gains(self, step):
-        """Return the Candidate of a step evaluated beside all other steps (backward check)."""
+        """Return the Candidate of a step evaluated beside all other steps."""
         blocks = self._residual.blocks(self._root)
         for other in self.steps + self.drifted:
             # A plain function would take the place of any effect of its variable.
@@ -154,11 +162,12 @@ class Trace:
         torque = candidate.torque(self._model.robot.n)
         rms = np.sqrt(np.mean(torque ** 2, axis=0))
         least = LEAST_RMS * (UNKNOWN_FACTOR if candidate.name == UNKNOWN else 1.0)
-        return bool((rms >= least * self._model.noise).any())
+        return bool((rms >= least * self._residual.noise).any())
 
     def _round(self):
         self._evaluate()
-        needed = LEAST_GAIN + np.log(len(self._scores))
+        # Every shape tried counts as a trial, not only every cause.
+        needed = LEAST_GAIN + np.log(self.trials)
         ranked = sorted(self._candidates(), key=lambda c: -c.gain)
         for best in ranked:
             if best.gain < needed:
@@ -178,15 +187,15 @@ class Trace:
         simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
         others = [c.name for c in [best, *alike] if c.name not in (simplest.name, UNKNOWN)]
         return Step(simplest, tuple(dict.fromkeys(others)),
-                    next((c for c in [best, *rivals] if c is not simplest), None), needed,
-                    len(self._scores))
+                    next((c for c in [best, *rivals] if c is not simplest), None), needed)
 
     def _candidates(self):
         """Return the named candidates that are adequate, and the unknowns nothing explains."""
         # Where an unknown effect is, anything else would only imitate it.
         unknown = {j for name, j, _ in self._taken if name == UNKNOWN}
         scores = [pair for key, pair in self._scores.items()
-                  if key not in self._taken and not unknown & set(pair[0].columns)]
+                  if key not in self._taken and not unknown & set(pair[0].columns)
+                  and physical(*pair, (pair[0].name, pair[0].joint) in self._declared)]
         singles = [single(*pair) for pair in scores]
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
@@ -221,16 +230,17 @@ class Trace:
 
     def _evaluate(self):
         """Evaluate what is not up to date, the best shape of each cause."""
-        fresh = {}
-        for hypothesis in hypotheses(self._model, self._residual, self.blocks, self._known,
+        fresh, tried = {}, 0
+        for hypothesis in hypotheses(self._model, self._residual, self.blocks, self._warmed,
                                      self._scores):
             score = self.blocks.evaluate(hypothesis.columns)
+            tried += hypothesis.trials
             if hypothesis.key not in fresh or score.gain > fresh[hypothesis.key][1].gain:
                 fresh[hypothesis.key] = hypothesis, score
         for key, pair in fresh.items():
             fresh[key] = self._refined(*pair)
         self._scores |= fresh
-        self.trials = max(self.trials, len(self._scores))
+        self.trials = max(self.trials, tried)
 
     def _refined(self, hypothesis, score):
         """Return the pair with its nonlinear parameter searched between the grid's values."""
@@ -274,7 +284,7 @@ def _tied(best, other):
     """Tell whether held-out blocks do not prefer the better of two candidates."""
     difference = best.by_block - other.by_block
     return difference.sum() < 2.0 * np.sqrt(len(difference)) * difference.std() \
-        and other.gain > ALIKE * best.gain
+        and other.gain > EQUAL * best.gain
 
 
 def _alike(best, other):

@@ -29,10 +29,11 @@ def unexplained_joints(model, residual, rest, events):
     rest (N, n) [Nm]; events (N,) bool: rows of contacts, which are no matter of the model.
     """
     rows = residual.moving & ~events[:, None] & (residual.weights > 0.0)
-    noise = model.noise
+    noise = residual.noise
     first, last = (np.sqrt(np.maximum(_rms(values, rows) ** 2 - noise ** 2, 0.0))
                    for values in (residual.residual, rest))
-    return tuple(np.flatnonzero((last > SHARE * first) & (last > TIMES_NOISE * noise)))
+    return tuple(int(j) for j in np.flatnonzero(
+        (last > SHARE * first) & (last > TIMES_NOISE * noise)))
 
 
 def unknown_left(model, residual, rest, left, trace):
@@ -44,7 +45,7 @@ def unknown_left(model, residual, rest, left, trace):
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
-    followed = {j: _followed(residual, rest[:, j], j) for j in joints}
+    followed = {j: _followed(model.robot, residual, rest[:, j], j) for j in joints}
     found = [_finding(model, residual, rest, [j], followed[j], {}, trace.trials)
              for j in joints if followed[j]]
     restless = [j for j in joints if not followed[j]]
@@ -55,13 +56,22 @@ def unknown_left(model, residual, rest, left, trace):
     return tuple(found)
 
 
-def _followed(residual, rest, j):
+def _variables(robot, residual, j):
+    """Yield (name, values (N,)): the joint's own variables, then its neighbours' velocities."""
+    for name, attribute in VARIABLES.items():
+        yield name, getattr(residual.x, attribute)[:, j]
+    for other in (j - 1, j + 1):
+        if 0 <= other < robot.n:
+            yield f'velocity of {robot.joints[other]}', residual.x.v[:, other]
+
+
+def _followed(robot, residual, rest, j):
     """Return the variable of which `rest` (N,) is most a function, or an empty string."""
     rows = residual.moving[:, j]
     whole = float((rest[rows] ** 2).sum())
     best, variable = FOLLOWS * whole, ''
-    for name, attribute in VARIABLES.items():
-        columns = hats(getattr(residual.x, attribute)[rows, j], KNOTS)
+    for name, values in _variables(robot, residual, j):
+        columns = hats(values[rows], KNOTS)
         if columns.shape[1] < 4:
             continue
         fit, *_ = np.linalg.lstsq(columns, rest[rows], rcond=1e-8)
@@ -73,7 +83,7 @@ def _followed(residual, rest, j):
 
 def _finding(model, residual, rest, joints, variable, parameters, trials):
     rms = float(_rms(rest, residual.moving)[joints].max())
-    evidence = Evidence(0.0, 0.0, 0.0, len(residual.starts), trials, rms)
+    evidence = Evidence(np.nan, np.nan, np.nan, len(residual.starts), trials, rms)
     names = tuple(model.robot.joints[j] for j in joints)
     return Finding(UNKNOWN, names, parameters, np.zeros(model.robot.n), evidence, (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,

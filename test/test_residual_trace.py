@@ -1,0 +1,334 @@
+"""The trace: one hidden effect comes out as itself on its joint, two as two, none as none."""
+
+from functools import lru_cache
+
+from core_helpers import effect_uses, four_axes, true_parameters
+import numpy as np
+import pytest
+from test_identification import waves
+
+from hand_load_estimator.effects import EffectInput
+from hand_load_estimator.identification import Evidence
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.torque_model import (ColumnLayout, motion_input, presliding_distances,
+                                              Residuals, torque_columns, TorqueModel)
+
+DT = 0.02
+RUNS, SECONDS = 4, 16.0
+
+
+@lru_cache(None)
+def declared_model(doubt=0.01, names=None):
+    """Return the TorqueModel of the arm, right but for hidden effects; doubt: relative std."""
+    robot = four_axes()
+    uses = effect_uses(robot) if names is None else effect_uses(robot, names)
+    mean = true_parameters(robot, uses)
+    std = doubt * np.abs(mean)
+    std[:10 * robot.n] = 0.0
+    noise = noise_of(robot)
+    return TorqueModel(robot, uses, False, mean, np.diag(std ** 2), Residuals(
+        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('identified from',), (15.0, 35.0))
+
+
+def noise_of(robot):
+    """Return the RMS (n,) [Nm] of one row's torque noise."""
+    return 4e-3 * robot.limits.torque
+
+
+class Hidden:
+    """What a hidden effect may use of one run: EffectInput x, its times and the torque so far."""
+
+    def __init__(self, robot, x, motion, torque):
+        self.robot, self.x, self.motion, self.torque = robot, x, motion, torque
+        self.noise = noise_of(robot)
+
+
+@lru_cache(None)
+def clean_runs(seconds, names=None, celsius=(15.0, 35.0)):
+    """Return (EffectInput, Motion, torque without noise (N, n)) of each run."""
+    model = declared_model(names=names)
+    robot, rng, runs = model.robot, np.random.default_rng(11), []
+    for k in range(RUNS):
+        motion = waves(robot, rng, seconds, celsius[k % 2])
+        distance = presliding_distances(robot.n, effect_uses(robot))
+        x, _ = motion_input(robot, motion, distance)
+        full = ColumnLayout(robot.n, effect_uses(robot))
+        torque = torque_columns(robot, full, x) @ true_parameters(robot, effect_uses(robot))
+        runs.append((x, motion, torque))
+    return runs
+
+
+def recorded(*hidden, seconds=SECONDS, seed=5, names=None, celsius=(15.0, 35.0)):
+    """Return the Evidence of RUNS runs of the arm with hidden effects: functions of Hidden."""
+    robot, rng = declared_model(names=names).robot, np.random.default_rng(seed)
+    found = []
+    for k, (x, motion, torque) in enumerate(clean_runs(seconds, names, celsius)):
+        noise = rng.normal(size=torque.shape) * noise_of(robot)
+        more = sum((effect(Hidden(robot, x, motion, torque)) for effect in hidden),
+                   np.zeros_like(torque))
+        found.append(Evidence(f'run {k}', motion, torque + more + noise))
+    return found
+
+
+def diagnosed(*hidden, model=None, **keywords):
+    """Return (Diagnosis, better model) of an arm with hidden effects; the last run is for tests."""
+    evidence = recorded(*hidden, **keywords)
+    return diagnose(model or declared_model(), evidence[:-1], evidence[-1:])
+
+
+def told(diagnosis):
+    """Return the confirmed findings as a mapping of name to joints."""
+    return {f.name: f.joints for f in diagnosis.findings if f.verdict == CONFIRMED}
+
+
+def on(joint, times, function):
+    """Return an effect of one joint with an RMS of so many times the noise: function(Hidden)."""
+    robot = declared_model().robot
+    whole = np.concatenate([function(Hidden(robot, *run))[:, joint]
+                            for run in clean_runs(SECONDS)])
+    size = times * noise_of(robot)[joint] / np.sqrt(np.mean(whole ** 2))
+
+    def effect(run):
+        out = np.zeros_like(run.torque)
+        out[:, joint] = size * function(run)[:, joint]
+        return out
+    return effect
+
+
+def ripple(run):
+    """A ripple slow enough to pass the motion filter as it is."""
+    return np.sin(23.4 * run.x.q + 0.5)
+
+
+def cable(run):
+    return np.exp(0.9 * run.x.q) - 1.0
+
+
+def viscous(run):
+    return run.x.v
+
+
+def late(run):
+    """Effort of one sample ago, on all joints."""
+    return np.concatenate([run.torque[:1], run.torque[:-1]]) - run.torque
+
+
+def leaning(run):
+    """Gravity turned by 20 mrad about x and -30 mrad about y, exactly."""
+    tilted = four_axes(gravity=(turned(0.02, -0.03) @ [0.0, 0.0, -9.81]).tolist())
+    zero = np.zeros(4)
+    return np.array([tilted.rigid_torque(q, zero, zero) - run.robot.rigid_torque(q, zero, zero)
+                     for q in run.x.q])
+
+
+def turned(x, y):
+    """Return the rotation by a small vector (x, y, 0) [rad]."""
+    k = np.array([[0.0, 0.0, y], [0.0, 0.0, -x], [-y, x, 0.0]])
+    angle = np.hypot(x, y)
+    return np.eye(3) + np.sin(angle) / angle * k + (1.0 - np.cos(angle)) / angle ** 2 * k @ k
+
+
+def resonance(run):
+    """Friction with a narrow peak in speed: no effect of the vocabulary."""
+    return np.sign(run.x.v) * np.exp(-((np.abs(run.x.v) - 0.45) / 0.05) ** 2)
+
+
+def warming(run):
+    return np.sign(run.x.v) * run.x.warmth
+
+
+def stretched(run):
+    """A rotor heavier than declared."""
+    return run.x.a
+
+
+def constant_friction(run):
+    return np.sign(run.x.v)
+
+
+def assert_only(diagnosis, name, joints, alternatives=()):
+    """Hold that one effect was found, and what it was not told apart from."""
+    assert [f.name for f in diagnosis.findings] == [name]
+    found = diagnosis.findings[0]
+    robot = declared_model().robot
+    assert found.joints == tuple(robot.joints[j] for j in joints)
+    assert found.verdict == CONFIRMED and set(alternatives) <= set(found.alternatives)
+    assert found.evidence.gain > found.evidence.needed > 8.0
+    return found
+
+
+def assert_repaired(diagnosis, joint):
+    """Hold that a joint's error goes back to its noise and no other joint's grows."""
+    noise = noise_of(declared_model().robot)
+    assert diagnosis.before[joint] > 1.3 * noise[joint]
+    assert (diagnosis.after < 1.12 * noise).all()
+    assert (diagnosis.after <= diagnosis.before * 1.005).all()
+
+
+# Nothing, and one.
+
+@pytest.mark.parametrize('seed', [5, 6, 7])
+def test_nothing_is_found_where_nothing_is(seed):
+    diagnosis, better = diagnosed(seed=seed)
+    assert diagnosis.findings == () and better is declared_model()
+    np.testing.assert_array_equal(diagnosis.before, diagnosis.after)
+    np.testing.assert_allclose(diagnosis.noise_floor, noise_of(better.robot), rtol=0.15)
+    assert diagnosis.cannot_tell == () and (diagnosis.unexplained < 0.2).all()
+
+
+@pytest.mark.parametrize('joint, effect, name, change', [
+    (2, viscous, 'viscous_friction', 'change_of_coefficient'),
+    (0, constant_friction, 'coulomb_friction', 'change_of_level'),
+    (3, stretched, 'rotor_inertia', 'change_of_inertia')])
+def test_a_changed_effect_is_found_on_its_joint_with_its_change(joint, effect, name, change):
+    hidden = on(joint, 2.0, effect)
+    diagnosis, _ = diagnosed(hidden)
+    found = assert_only(diagnosis, name, [joint])
+    assert found.changed
+    assert_repaired(diagnosis, joint)
+    run = Hidden(declared_model().robot, *clean_runs(SECONDS)[0])
+    values = effect(run)[:, joint]
+    size = (hidden(run)[:, joint] @ values) / (values @ values)
+    mean, std, _ = found.parameters[change]
+    assert abs(mean - size) < 4.0 * std + 0.02 * size and std < 0.1 * size
+
+
+def test_a_ripple_is_found_with_its_period():
+    diagnosis, _ = diagnosed(on(2, 2.0, ripple))
+    found = assert_only(diagnosis, 'torque_ripple', [2])
+    assert found.parameters['periods'][0] == pytest.approx(23.4, abs=0.15)
+    size = 2.0 * np.sqrt(2.0) * noise_of(declared_model().robot)[2]
+    assert found.parameters['amplitude'][0] == pytest.approx(size, rel=0.1)
+    assert found.explained[2] > 0.7 and (np.delete(found.explained, 2) == 0.0).all()
+    assert_repaired(diagnosis, 2)
+
+
+def test_a_cable_is_found():
+    diagnosis, _ = diagnosed(on(1, 2.0, cable))
+    found = assert_only(diagnosis, 'cable_drag', [1])
+    # A spring is not excluded by a motion over less than a turn: the motion that would is told.
+    if 'gravity_spring' in found.alternatives:
+        assert 'whole turn' in found.advice
+    assert_repaired(diagnosis, 1)
+
+
+def test_friction_that_changes_with_temperature_is_found():
+    diagnosis, _ = diagnosed(on(1, 2.0, warming))
+    assert_only(diagnosis, 'temperature_dependent_coulomb_friction', [1])
+    assert_repaired(diagnosis, 1)
+
+
+def test_effort_that_comes_late_is_one_finding():
+    """All joints are late by one sample: one cause, with the same delay on each."""
+    diagnosis, _ = diagnosed(late)
+    found = assert_only(diagnosis, 'time_delay', range(4))
+    delays = [found.parameters[f'delay ({joint})'][:2] for joint in found.joints]
+    for mean, std in delays:
+        assert abs(mean - DT) < 4.0 * std and std < 0.5 * DT
+    assert (diagnosis.after < diagnosis.before).all()
+
+
+def test_a_leaning_base_is_one_finding():
+    diagnosis, _ = diagnosed(leaning)
+    found = assert_only(diagnosis, 'base_tilt', range(4))
+    for name, truth in (('about_x', 0.02), ('about_y', -0.03)):
+        mean, std, unit = found.parameters[name]
+        assert abs(mean - truth) < 4.0 * std + 5e-4 and std < 5e-3 and unit == 'rad'
+    assert_repaired(diagnosis, 1)
+
+
+# Two, and none of the known.
+
+def test_effects_on_two_joints_are_both_found():
+    diagnosis, _ = diagnosed(on(2, 2.0, ripple), on(0, 2.0, viscous))
+    robot = declared_model().robot
+    assert told(diagnosis) == {'torque_ripple': (robot.joints[2],),
+                               'viscous_friction': (robot.joints[0],)}
+    assert len(diagnosis.findings) == 2
+    assert_repaired(diagnosis, 0)
+
+
+def test_two_effects_of_one_joint_are_both_found():
+    diagnosis, _ = diagnosed(on(1, 2.0, ripple), on(1, 2.0, viscous))
+    joint = (declared_model().robot.joints[1],)
+    assert told(diagnosis) == {'torque_ripple': joint, 'viscous_friction': joint}
+    assert_repaired(diagnosis, 1)
+
+
+@pytest.mark.parametrize('times', [3.0, 8.0])
+def test_what_has_no_name_is_unknown_with_its_variable(times):
+    """Friction with a narrow peak in speed must not become Stribeck, ripple or a contact."""
+    diagnosis, better = diagnosed(on(2, times, resonance))
+    assert [(f.name, f.joints, f.variables) for f in diagnosis.findings] == [
+        (UNKNOWN, (better.robot.joints[2],), ('velocity',))]
+    assert diagnosis.unexplained[2] > 0.3
+    assert {(u.name, u.joint) for u in better.uses} \
+        == {(u.name, u.joint) for u in declared_model().uses}
+
+
+@pytest.mark.parametrize('doubt, expected', [(0.2, []), (1e-3, ['viscous_friction'])])
+def test_a_change_that_the_model_expects_is_no_finding(doubt, expected):
+    """The same change: news to a model that is sure, none to one that says it may be off."""
+    diagnosis, _ = diagnosed(on(2, 0.5, viscous), model=declared_model(doubt))
+    assert [f.name for f in diagnosis.findings] == expected
+
+
+# What the result promises.
+
+def test_the_better_model_holds_what_the_report_says():
+    """Every effect in the better model that was not in the old one is a finding, and the reverse."""
+    for hidden in ((on(1, 2.0, ripple), on(1, 2.0, cable)), (on(1, 5.0, cable),),
+                   (on(3, 2.0, ripple), on(3, 2.0, warming))):
+        model = declared_model()
+        diagnosis, better = diagnosed(*hidden)
+        old = {(u.name, u.joint) for u in model.uses}
+        new = {(u.name, better.robot.joints[u.joint]) for u in better.uses
+               if (u.name, u.joint) not in old}
+        reported = {(f.name, joint) for f in diagnosis.findings for joint in f.joints
+                    if not f.changed}
+        assert new == reported
+
+
+def test_tests_are_used_for_nothing_but_errors():
+    """A test recording of another arm changes no finding and no parameter."""
+    evidence = recorded(on(2, 2.0, ripple))
+    other = recorded(on(2, 2.0, ripple), on(1, 5.0, viscous))[-1:]
+    (one, first), (two, second) = (diagnose(declared_model(), evidence[:-1], test)
+                                   for test in (evidence[-1:], other))
+    assert [f.name for f in one.findings] == [f.name for f in two.findings] == ['torque_ripple']
+    np.testing.assert_array_equal(first.mean, second.mean)
+    assert two.before[1] > 2.0 * one.before[1] and two.after[1] > 2.0 * one.after[1]
+    assert (one.tested_on, two.tested_on) == ('run 3', 'run 3')
+    assert one.recordings == ('run 0', 'run 1', 'run 2')
+
+
+def test_without_tests_the_last_quarter_is_kept():
+    evidence = recorded(on(2, 2.0, ripple), seconds=SECONDS)
+    diagnosis, _ = diagnose(declared_model(), evidence)
+    assert told(diagnosis) == {'torque_ripple': (declared_model().robot.joints[2],)}
+    assert 'quarter' in diagnosis.tested_on
+    assert_repaired(diagnosis, 2)
+    # The same, with what happens in the last quarter only: nothing is found, all of it is error.
+    late_part = [Evidence(e.name, e.motion, np.where(
+        (np.arange(len(e.torque)) >= 0.75 * len(e.torque))[:, None],
+        bad.torque, e.torque)) for e, bad in zip(recorded(), evidence)]
+    diagnosis, _ = diagnose(declared_model(), late_part)
+    assert diagnosis.findings == () and diagnosis.before[2] > 1.5 * diagnosis.noise_floor[0] / 2
+    assert diagnosis.after[2] == diagnosis.before[2] > 1.5 * noise_of(four_axes())[2]
+
+
+def test_the_residual_is_measured_less_modelled():
+    """One row of the residual against the model's own torque, without any detour."""
+    model, evidence = declared_model(), recorded()
+    residual = find_residual(model, evidence)
+    np.testing.assert_allclose(
+        residual.residual, np.concatenate([e.torque - clean for e, (_, _, clean) in zip(
+            evidence, clean_runs(SECONDS))]), atol=1e-9)
+    assert list(np.unique(residual.owner)) == [0, 1, 2, 3]
+    assert len(np.unique(residual.folds)) == RUNS
+    # No block belongs to two recordings.
+    owners = residual.owner[residual.starts]
+    np.testing.assert_array_equal(owners, residual.folds)
+    assert residual.moving.mean() > 0.5
