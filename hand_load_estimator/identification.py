@@ -300,7 +300,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
-    residuals = Residuals(rmse_of(robot, system, left_out), intensity, drift_of(system, left_out, weights))
+    residuals = Residuals(rmse_of(robot, system, left_out), intensity,
+                          drift_of(system, left_out, weights))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

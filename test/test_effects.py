@@ -122,32 +122,39 @@ def test_torque_that_stands_still_is_not_late():
     np.testing.assert_array_equal(lateness(torque, None)(0.02), np.zeros((5, 3)))
 
 
-def turned(gravity, angles):
-    """Return gravity (3,) turned by a rotation vector about x and y [rad]."""
-    angle = np.hypot(*angles)
-    axis = np.array([*angles, 0.0]) / angle
+def turned(gravity, vector):
+    """Return gravity (3,) turned by a rotation vector [rad]."""
+    angle = np.linalg.norm(vector)
+    axis = np.asarray(vector) / angle
     return gravity * np.cos(angle) + np.cross(axis, gravity) * np.sin(angle) \
         + axis * (axis @ gravity) * (1.0 - np.cos(angle))
 
 
-def test_base_tilt_is_the_torque_of_turned_gravity():
-    """To first order: halving the angle quarters what is left."""
-    rng = np.random.default_rng(3)
-    gravity = np.array([0.0, 3.0, -9.3])
+@pytest.mark.parametrize('gravity', [(0.0, 0.0, -9.81), (0.0, 3.0, -9.3), (9.81, 0.0, 0.0)])
+def test_base_tilt_is_the_torque_of_turned_gravity(gravity):
+    """To first order, on floor and wall: halving the angle halves what is left of it."""
+    rng, gravity = np.random.default_rng(3), np.array(gravity)
     q, zero = rng.uniform(-1.5, 1.5, (20, 4)), np.zeros(4)
     model = model_with(four_axes(gravity=gravity.tolist()), ('base_tilt',), {})
+    axes = model.robot.tilt_axes()
+    # Turning gravity about itself would change nothing.
+    np.testing.assert_allclose(axes @ gravity, 0.0, atol=1e-9)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(2), atol=1e-12)
     x = EffectInput(q, q, q, np.zeros_like(q), np.sign(q))
     columns = torque_columns(model.robot, model.layout, x, model.mean)[:, :, 40:]
     left = []
     for size in (0.02, 0.01):
         angles = size * np.array([0.6, -0.8])
-        leaning = four_axes(gravity=turned(gravity, angles).tolist())
+        leaning = four_axes(gravity=turned(gravity, angles @ axes).tolist())
         change = np.array([leaning.rigid_torque(row, zero, zero)
                            - model.robot.rigid_torque(row, zero, zero) for row in q])
         assert np.abs(change).max() > 0.04
         left.append(np.abs(columns @ angles - change).max() / np.abs(change).max())
-    assert left[0] < 0.02 and left[1] < 0.6 * left[0]
-    assert columns.shape == (20, 4, 2)
+    assert left[0] < 0.03 and left[1] < 0.6 * left[0]
+
+
+def test_a_level_base_leans_about_its_x_and_y():
+    np.testing.assert_allclose(np.abs(four_axes().tilt_axes()), np.eye(3)[:2], atol=1e-12)
 
 
 def test_the_robot_keeps_its_gravity():
@@ -266,6 +273,31 @@ def test_a_restart_forgets_the_torque_before(samples):
         follower.restart()
     late, now = (f.update(samples[0]).difference for f in followers)
     np.testing.assert_allclose(late, now, atol=1e-12)
+
+
+@pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature', 'base_tilt',
+                                  'load_dependent_friction'])
+def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
+    """K m online is what identification adds to the torque for a known load m."""
+    model = model_with(four_axes(), (name,), {name: BOUND[name]})
+    load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3)).to_products()
+    motion = Motion(*(np.array([getattr(s, f) for s in samples])
+                      for f in Motion.__dataclass_fields__))
+    x, _ = motion_input(model.robot, motion, model.presliding_distance())
+    held = np.array([model.robot.load_regressor(*row) @ load
+                     for row in zip(motion.q, motion.v, motion.a)])
+    empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, h)
+                   for h in (None, held))
+    through = held + (full - empty) @ model.mean
+    follower = ModelFollower(model)
+    online = np.array([follower.update(s).load_columns @ load for s in samples])
+    # Near zero a gear's torque changes its sign with the load: friction is bent there.
+    same = np.sign(empty[:, :, :40] @ model.mean[:40]) \
+        == np.sign(empty[:, :, :40] @ model.mean[:40] + held)
+    rows = same if name == 'load_dependent_friction' else np.ones_like(same)
+    assert rows.mean() > 0.3
+    np.testing.assert_allclose(online[rows], through[rows], atol=1e-9)
+    assert np.abs(online - held).max() > 0.02 * np.abs(held).max()
 
 
 @pytest.mark.parametrize('rate', [30.0, 94.0, 500.0])

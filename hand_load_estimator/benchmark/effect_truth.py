@@ -103,7 +103,8 @@ def _figures(model, name, joint):
         out = {p: float(v) for (p, _), v in zip(use.effect.parameters, values)}
         out.update({shape: float(v) for shape, v in use.shape.items()})
         if use.effect.derived:
-            out.update({p: float(v) for p, (v, _) in use.effect.derived(values, use.shape).items()})
+            derived = use.effect.derived(values, use.shape)
+            out.update({p: float(v) for p, (v, _) in derived.items()})
         if name == 'base_tilt':
             out['angle'] = float(np.linalg.norm(values))
         return out

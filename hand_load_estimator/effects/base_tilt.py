@@ -12,4 +12,5 @@ BASE_TILT = Effect(
     'level base about its x and y',
     'gravity of the nominal links', (('about_first_axis', 'rad'),
                                       ('about_second_axis', 'rad')), (0.03, 0.03),
-    _columns, in_link_torque=True, against='position', whole_arm=True, needs=frozenset({'tilt'}), absolute=True)
+    _columns, in_link_torque=True, against='position', whole_arm=True, absolute=True,
+    needs=frozenset({'tilt'}))

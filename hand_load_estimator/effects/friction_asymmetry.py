@@ -12,6 +12,7 @@ def _columns(x, j, _):
 
 
 FRICTION_ASYMMETRY = Effect(
-    'friction_asymmetry', 'friction differs between the directions: its level, its growth with speed',
-    'Armstrong-Helouvry et al. 1994', (('level', 'Nm'), ('coefficient', 'Nm s/rad')), (0.01, 0.01), _columns,
-    default=True)
+    'friction_asymmetry', 'friction differs between the directions: its level, its '
+    'growth with speed',
+    'Armstrong-Helouvry et al. 1994', (('level', 'Nm'), ('coefficient', 'Nm s/rad')), (0.01, 0.01),
+    _columns, default=True)

@@ -15,4 +15,5 @@ def _columns(x, j, shape):
 STRIBECK_FRICTION = Effect(
     'stribeck_friction', 'falls from breakaway to Coulomb as lubrication builds up',
     'Bittencourt and Axelsson 2014', (('level', 'Nm'), ('slope', 'Nm/K')), (0.05, 1e-3), _columns,
-    (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5)),), default=True, positive=(0,))
+    (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5)),), default=True,
+    positive=(0,))

@@ -41,7 +41,7 @@ class LoadRegression:
             self._unchecked = sample.stamp
 
     def look_for_change(self):
-        """Test what the last samples completed against older data; forget the load if it changed."""
+        """Test the newest data against older ones; forget the load if it changed."""
         if self._unchecked is None:
             return
         stamp, self._unchecked = self._unchecked, None

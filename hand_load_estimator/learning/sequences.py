@@ -105,7 +105,8 @@ class SequenceMaker:
             doubt=doubt, load=load.to_message(),
             begin=np.array(moving[0] if len(moving) else len(q) - 1),
             density=model.residuals.intensity + stuck_density(z, doubt, v, level),
-            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity, severe=np.array(severe)))
+            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity,
+            severe=np.array(severe)))
 
     def _model_error(self, rng, actual, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""

@@ -100,8 +100,8 @@ def _identified(model, uses, mean, covariance, evidence, own):
                           residuals.drift)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
-    temperatures = [t for t in (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
-                    if t is not None]
+    spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
+    temperatures = [span for span in spans if span is not None]
     names = tuple(dict.fromkeys((*model.recordings, *(e.name for e in evidence))))
     return TorqueModel(robot, uses, True, x, posterior, found, names,
                        (float(min(t[0] for t in temperatures)),

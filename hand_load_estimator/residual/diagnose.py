@@ -99,7 +99,7 @@ def _split(recorded):
 
 
 def _errors(model, better, test):
-    """Return RMSE (n,) [Nm] of both models on test data while joints slide, and its noise floor."""
+    """Return RMSE (n,) [Nm] of both models on test data while joints slide, noise floor."""
     old, new = (errors_of(m, test) for m in (model, better))
     # Each model knows its friction state at other times; both are judged at the same.
     old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))

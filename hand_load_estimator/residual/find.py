@@ -1,4 +1,4 @@
-"""Find the residual: what the present torque model leaves of recordings, and what of it is noise."""
+"""Find the residual: what a torque model leaves of recordings, and what of it is noise."""
 
 from dataclasses import dataclass, field, replace
 
@@ -165,7 +165,8 @@ def _complete(model, x, columns, dt, held):
     predicted = columns @ model.mean + held
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
     return replace(x, gear=columns[:, :, :10 * n] @ model.mean[:10 * n] + held, drive=predicted,
-                   rate=rate, late=lateness(predicted, dt), tilt=tilt_columns(robot, x.q, model.mean))
+                   rate=rate, late=lateness(predicted, dt),
+                   tilt=tilt_columns(robot, x.q, model.mean))
 
 
 def _cut(dt, owner):

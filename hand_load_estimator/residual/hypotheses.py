@@ -1,4 +1,4 @@
-"""The hypotheses of one round: every effect of the vocabulary on every joint, and plain functions."""
+"""The hypotheses of one round: every effect on every joint, and plain functions."""
 
 from dataclasses import dataclass, field, replace
 

@@ -30,9 +30,8 @@ def _error(model, loaded):
         masses.append(mean[0] - load.mass)
         if 'com' in recording.load_known:
             places.append(mean[1:4] - load.com)
-    return LoadError(float(np.sqrt(np.mean(np.square(masses)))),
-                     float(np.sqrt(np.mean(np.sum(np.square(places), axis=1)))) if places else None,
-                     len(masses))
+    com = np.sqrt(np.mean(np.sum(np.square(places), axis=1))) if places else None
+    return LoadError(float(np.sqrt(np.mean(np.square(masses)))), com and float(com), len(masses))
 
 
 def estimate(model, recording):

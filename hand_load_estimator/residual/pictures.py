@@ -63,7 +63,7 @@ def _variable(robot, residual, hypothesis, j, against):
     if against == 'position within a period':
         periods = hypothesis.shape['periods']
         return np.mod(periods * x.q[:, j], 2.0 * np.pi), \
-            f'position within one of {periods:.1f} periods per turn [rad]'
+            f'phase of the ripple, {periods:.1f} per turn [rad]'
     if against == 'travel since reversal':
         return travel(x.q[:, j]), 'travel since reversal [rad]'
     if against == 'time':

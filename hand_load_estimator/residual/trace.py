@@ -27,7 +27,7 @@ UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
 # not the explanation.
 ADEQUATE = 0.6
-# Alternatives gain at least this share of the winner's gain, or belong to a known pair and gain ...
+# Alternatives gain at least this share of the winner's, or belong to a known pair and gain ...
 ALIKE, ALIKE_PAIR = 0.85, 0.4
 # ... and are its equals, of which the simplest is taken, from this share on.
 EQUAL = 0.96

@@ -55,7 +55,7 @@ SETS = {
     # The load of the gravity torques that the source keeps beside the logs (about.yaml).
     # The runs are the source's own choice: A to identify, B and C to validate.
     'kr300': RecordingSet(
-        'kr300', ('trajectory_A', 'trajectory_B'), ('trajectory_C',),
+        'kr300', ('trajectory_A',), ('trajectory_B', 'trajectory_C'),
         {'mass': 150.0, 'com': [0.0, 0.0, 0.1]}),
     'staubli_tx40': RecordingSet('staubli_tx40', ('exciting_trajectory',)),
     # By its label it holds 0.73 kg, but its currents show no such weight (`hand_load check`).

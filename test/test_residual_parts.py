@@ -1,0 +1,347 @@
+"""Parts of the residual loop: ripple periods, limits, contacts, plain functions, the new model."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from core_helpers import four_axes
+import numpy as np
+import pytest
+from test_residual_trace import (cable, clean_runs, declared_model, noise_of, on, recorded, ripple,
+                                 viscous)
+
+from hand_load_estimator.effects.torque_ripple import wave
+from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.motion import MotionFilter
+from hand_load_estimator.residual.add import better_model, WIDER
+from hand_load_estimator.residual.blocks import Blocks
+from hand_load_estimator.residual.confusable import advice, PAIRS, partners
+from hand_load_estimator.residual.contact import contacts_in
+from hand_load_estimator.residual.diagnose import errors_of
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
+from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
+                                                 warmed_joints)
+from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
+from hand_load_estimator.residual.unknown import rhythm
+from hand_load_estimator.torque_model import effect_slices
+
+
+# Ripple.
+
+@pytest.mark.parametrize('periods', [20.0, 60.0, 150.0])
+@pytest.mark.parametrize('speed', [0.1, 0.5, 1.0])
+def test_a_wave_is_what_comes_through_the_motion_filter(periods, speed):
+    motion, phase = MotionFilter(1), 0.7
+    found = []
+    for k in range(1000):
+        q = speed * k * 1e-3
+        sample = motion.update(k * 1e-3, np.array([q]), np.array([speed]),
+                               np.sin([periods * q + phase]))
+        found += [sample] if sample is not None and not sample.fresh else []
+    q, v, torque = (np.array([getattr(s, f)[0] for s in found]) for f in ('q', 'v', 'effort'))
+    expected = wave(q, v, periods, phase)
+    assert len(found) > 30
+    np.testing.assert_allclose(torque, expected, atol=0.03 * np.abs(expected).max() + 1e-3)
+
+
+def waving(periods, size, seed=0, count=4000):
+    """Return q, v, residual, weights (N,) of a joint with a ripple in white noise of std 1."""
+    rng, t = np.random.default_rng(seed), 0.02 * np.arange(count)
+    q = 0.8 * np.sin(0.5 * t) + 0.5 * np.sin(0.23 * t + 1.0)
+    v = 0.4 * np.cos(0.5 * t) + 0.115 * np.cos(0.23 * t + 1.0)
+    residual = size * wave(q, v, periods, 0.3) + rng.normal(size=count)
+    return q, v, residual, np.full(count, 1.0)
+
+
+@pytest.mark.parametrize('periods', [11.3, 61.7, 152.0, 310.5])
+def test_a_period_is_found_in_noise(periods):
+    found, tried = likely_periods(*waving(periods, 0.5))
+    assert len(found) <= CANDIDATES and tried > 100
+    assert found[0] == pytest.approx(periods, abs=0.25)
+
+
+def test_a_period_found_in_noise_alone_gains_nothing():
+    """Some period is always best; on blocks it was not fitted to it gains no more than chance."""
+    for seed in range(4):
+        q, v, residual, weights = waving(60.0, 0.0, seed)
+        blocks = Blocks(residual[:, None], weights[:, None], [np.zeros((len(q), 0))],
+                        np.arange(0, len(q), 200), np.arange(len(q) // 200) % 5)
+        found, tried = likely_periods(q, v, residual, weights)
+        assert len(found) == CANDIDATES
+        for periods in found:
+            columns = np.stack([wave(q, v, periods, p) for p in (0.0, 0.5 * np.pi)], axis=1)
+            # The period itself is fitted to all blocks: the best of so many trials.
+            assert blocks.evaluate({0: columns}).gain < 3.0 + np.log(tried)
+    strong = waving(60.0, 0.5)
+    blocks = Blocks(strong[2][:, None], strong[3][:, None], [np.zeros((len(strong[0]), 0))],
+                    np.arange(0, 4000, 200), np.arange(20) % 5)
+    found = likely_periods(*strong)[0][0]
+    columns = np.stack([wave(*strong[:2], found, p) for p in (0.0, 0.5 * np.pi)], axis=1)
+    assert blocks.evaluate({0: columns}).gain > 100.0
+
+
+def test_a_joint_that_hardly_moves_has_no_period():
+    q, v, residual, weights = waving(60.0, 3.0)
+    found, tried = likely_periods(0.01 * q, 0.01 * v, residual, weights)
+    assert len(found) == tried == 0
+
+
+# Limits.
+
+def moving(evidence, joint=None, **changes):
+    """Return Evidence with arrays of its Motion replaced, at one joint or at all."""
+    new = {}
+    for name, value in changes.items():
+        array = getattr(evidence.motion, name).copy()
+        array[:, slice(None) if joint is None else joint] = value
+        new[name] = array
+    return replace(evidence, motion=replace(evidence.motion, **new))
+
+
+def cut(evidence, rows):
+    motion = evidence.motion
+    return replace(evidence, torque=evidence.torque[rows], motion=replace(motion, **{
+        name: getattr(motion, name)[rows] for name in vars(motion)}))
+
+
+def test_too_short_and_resting_recordings_are_refused():
+    model, (first, *_) = declared_model(), recorded()
+    refuse_the_useless(model, [first])
+    with pytest.raises(RecordingError, match=r'run 0.*2\.0 s.*4\.8 s'):
+        refuse_the_useless(model, [cut(first, slice(100))])
+    with pytest.raises(RecordingError, match='no joint moves'):
+        refuse_the_useless(model, [moving(first, v=1e-3)])
+
+
+def test_torque_of_another_arm_is_refused():
+    """Among good recordings too; friction and payload of its own do not make another arm."""
+    model, runs = declared_model(), recorded()
+    refuse_the_useless(model, runs)
+    refuse_the_useless(model, recorded(on(1, 8.0, viscous), on(2, 8.0, cable)))
+    with pytest.raises(RecordingError, match='run 3.*explains nothing'):
+        refuse_the_useless(model, [*runs[:3], replace(runs[3], torque=-runs[3].torque)])
+
+
+@pytest.mark.parametrize('celsius, warmed, words', [
+    ((15.0, 35.0), (0, 1, 2, 3), None), ((25.0, 25.0), (), 'only 0.0 K'),
+    ((25.0, 27.9), (), 'only 2.9 K'), ((np.nan, np.nan), (), 'none was recorded')])
+def test_temperatures_tell_when_they_change(celsius, warmed, words):
+    model = declared_model()
+    evidence = [moving(e, temperature=celsius[k % 2]) for k, e in enumerate(recorded())]
+    found, sentences = warmed_joints(model, evidence)
+    assert tuple(found) == warmed
+    assert [words in s and s.startswith('cannot tell') for s in sentences] \
+        == ([True] if words else [])
+
+
+def test_a_joint_that_does_not_warm_is_named():
+    model = declared_model()
+    evidence = [moving(e, 1, temperature=25.0) for e in recorded()]
+    found, sentences = warmed_joints(model, evidence)
+    assert tuple(found) == (0, 2, 3)
+    assert len(sentences) == 1 and model.robot.joints[1] in sentences[0]
+
+
+def test_a_joint_that_never_moves_is_named():
+    model = declared_model()
+    evidence = [moving(e, 2, v=0.0) for e in recorded()]
+    assert list(still_joints(model, evidence)) == [2]
+    assert 'j2' in still_joints(model, evidence)[2]
+    assert not still_joints(model, [*evidence, recorded()[0]])
+
+
+def efforts(torque, evidence):
+    return replace(evidence, motion=replace(evidence.motion, effort=torque), torque=torque)
+
+
+def test_rows_at_the_drives_limit_are_found():
+    model, evidence = declared_model(), recorded()[0]
+    rows, sentences = saturated_rows(model, [efforts(evidence.torque, evidence)])
+    assert not rows.any() and not sentences
+    limit = np.quantile(np.abs(evidence.torque[:, 1]), 0.8)
+    clipped = evidence.torque.copy()
+    clipped[:, 1] = np.clip(clipped[:, 1], -limit, limit)
+    rows, sentences = saturated_rows(model, [efforts(clipped, evidence)])
+    np.testing.assert_array_equal(rows[:, 1], np.abs(clipped[:, 1]) > 0.998 * limit)
+    assert not rows[:, [0, 2, 3]].any()
+    assert len(sentences) == 1 and 'j1' in sentences[0] and '20 %' in sentences[0]
+
+
+def test_a_joint_at_rest_is_not_at_its_limit():
+    """A held joint's effort is the same all the time and far from what the drive can do."""
+    model, evidence = declared_model(), recorded()[0]
+    torque = evidence.torque.copy()
+    torque[:, 0] = 3.0
+    rows, sentences = saturated_rows(model, [efforts(torque, evidence)])
+    assert not rows.any() and not sentences
+
+
+# Plain functions, pairs, contacts, rhythms.
+
+def test_hats_make_any_smooth_function():
+    values = np.random.default_rng(0).normal(size=2000)
+    columns = hats(values, 32)
+    inside = np.abs(values) < 2.0
+    np.testing.assert_allclose(columns.sum(axis=1), 1.0)
+    target = np.tanh(3.0 * values)
+    fit, *_ = np.linalg.lstsq(columns, target, rcond=None)
+    assert np.abs(columns @ fit - target)[inside].max() < 0.03
+    assert hats(np.zeros(100), 32).shape == (100, 0)
+
+
+def test_pairs_of_the_design_are_known_with_a_motion():
+    for pair in (('gravity_spring', 'link_inertia'), ('gravity_spring', 'cable_drag'),
+                 ('presliding_hysteresis', 'stribeck_friction'),
+                 ('temperature_dependent_coulomb_friction',
+                  'temperature_dependent_viscous_friction'), ('base_tilt', 'link_inertia')):
+        assert pair[1] in partners(pair[0]) and pair[0] in partners(pair[1])
+        assert len(advice(pair[0], [pair[1]])) > 20
+        assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
+    assert advice('torque_ripple', []) == '' and advice('coulomb_friction', ['base_tilt']) == ''
+    assert all(len(pair) == 2 for pair in PAIRS)
+
+
+def pushed(force, first, count):
+    """Return Evidence of all runs; in the first one a force [N] in base axes pushes the hand."""
+    evidence, *others = recorded()
+    robot = declared_model().robot
+    torque = evidence.torque.copy()
+    for k in range(first, first + count):
+        torque[k] -= robot.hand_jacobian(evidence.motion.q[k]).T @ force
+    return [replace(evidence, torque=torque), *others]
+
+
+def test_a_push_is_a_contact_with_its_force_and_time():
+    model, force = declared_model(), np.array([12.0, -9.0, 15.0])
+    residual = find_residual(model, pushed(force, 300, 40))
+    rows, found = contacts_in(model.robot, residual, residual.residual, 100)
+    assert len(found) == 1 and found[0].name == 'external_contact'
+    parameters = found[0].parameters
+    for k, axis in enumerate('xyz'):
+        mean, std, unit = parameters[f'force_{axis}']
+        assert abs(mean - force[k]) < 0.3 * np.linalg.norm(force) and std < 3.0 and unit == 'N'
+    assert parameters['start'][0] == pytest.approx(6.0, abs=0.25)
+    assert parameters['duration'][0] == pytest.approx(0.8, abs=0.3)
+    assert rows[305:335].all() and not rows[:270].any() and not rows[370:].any()
+
+
+def test_no_contact_where_none_is():
+    model = declared_model()
+    for always in (recorded(), pushed(np.array([5.0, 5.0, 5.0]), 0, 800)):
+        residual = find_residual(model, always)
+        assert contacts_in(model.robot, residual, residual.residual, 100)[1] == ()
+
+
+def test_the_rhythm_of_what_is_left():
+    residual = find_residual(declared_model(), recorded())
+    rest = residual.residual / noise_of(four_axes())
+    assert rhythm(residual, rest)[1] < 0.1
+    swinging = rest + 2.0 * np.sin(2.0 * np.pi * 1.7 * residual.time)[:, None]
+    frequency, share = rhythm(residual, swinging)
+    assert frequency == pytest.approx(1.7, abs=0.1) and share > 0.3
+
+
+# The better model.
+
+def step_of(name, joint, shape=None):
+    """Return a Step that says an effect was found."""
+    hypothesis = Hypothesis(name, joint, {}, np.ones(1), shape or {})
+    return SimpleNamespace(chosen=SimpleNamespace(parts=((hypothesis, None),)))
+
+
+def parameter(model, name, joint):
+    """Return (mean, std) of the first parameter of an effect."""
+    for use, where in model.slices():
+        if (use.name, use.joint) == (name, joint):
+            return model.mean[where.start], np.sqrt(model.covariance[where.start, where.start])
+    return None
+
+
+def wrong(factor=1.5, doubt=1e-4):
+    """Return a model that is sure of a wrong Coulomb level of joint 0."""
+    model = declared_model(doubt)
+    mean = model.mean.copy()
+    for use, where in model.slices():
+        if (use.name, use.joint) == ('coulomb_friction', 0):
+            mean[where] *= factor
+    return replace(model, mean=mean)
+
+
+def test_new_recordings_leave_what_is_known_and_fill_in_what_is_new():
+    """The old model is the prior: sure of a Coulomb level it keeps it, the ripple is estimated."""
+    model, evidence = wrong(), recorded(on(2, 2.0, ripple))
+    found = better_model(model, [step_of('torque_ripple', 2, {'periods': 23.4})], evidence)
+    old, std = parameter(model, 'coulomb_friction', 0)
+    new, after = parameter(found, 'coulomb_friction', 0)
+    assert abs(new - old) < 4.0 * WIDER * std and after <= WIDER * std * 1.001
+    size = 2.0 * np.sqrt(2.0) * noise_of(model.robot)[2]
+    mean, std = parameter(found, 'torque_ripple', 2)
+    assert mean == pytest.approx(size * np.cos(0.5), abs=4.0 * std + 0.02 * size)
+    assert parameter(found, 'torque_ripple', 1) is None
+    assert found.recordings == (*model.recordings, 'run 0', 'run 1', 'run 2', 'run 3')
+
+
+def test_what_was_found_changed_is_free_again():
+    model, evidence = wrong(), recorded()
+    found = better_model(model, [step_of('coulomb_friction', 0)], evidence)
+    truth, _ = parameter(declared_model(), 'coulomb_friction', 0)
+    mean, std = parameter(found, 'coulomb_friction', 0)
+    assert abs(mean - truth) < 4.0 * std + 0.01 * truth and std < 0.05 * truth
+
+
+def test_its_own_recordings_are_not_counted_twice():
+    """From the recordings it was made of, all is estimated anew, with the robot file's prior."""
+    evidence = recorded(on(2, 2.0, ripple))
+    model = replace(wrong(), recordings=tuple(e.name for e in evidence))
+    found = better_model(model, [step_of('torque_ripple', 2, {'periods': 23.4})], evidence)
+    truth, _ = parameter(declared_model(), 'coulomb_friction', 0)
+    mean, std = parameter(found, 'coulomb_friction', 0)
+    assert abs(mean - truth) < 5.0 * std + 0.02 * truth
+    assert std > 3.0 * parameter(model, 'coulomb_friction', 0)[1]
+    assert found.recordings == model.recordings
+
+
+@pytest.mark.parametrize('joint, effect, name, shape', [
+    (2, ripple, 'torque_ripple', {'periods': 23.4}), (1, cable, 'cable_drag', {}),
+    (3, viscous, 'viscous_friction', {})])
+def test_the_better_model_is_better_on_what_it_has_not_seen(joint, effect, name, shape):
+    model, evidence = declared_model(), recorded(on(joint, 2.0, effect))
+    found = better_model(model, [step_of(name, joint, shape)], evidence[:3])
+    before, after = (np.sqrt(np.nanmean(errors_of(m, evidence[3:]) ** 2, axis=0))
+                     for m in (model, found))
+    noise = noise_of(model.robot)
+    assert after[joint] < 1.15 * noise[joint] < 0.8 * before[joint]
+    assert (after < 1.02 * before).all() and (found.noise < 1.15 * noise).all()
+
+
+def test_links_that_were_never_identified_are_not_said_to_be():
+    model, evidence = declared_model(), recorded(on(2, 2.0, ripple))
+    assert not model.links_declared
+    found = better_model(model, [step_of('torque_ripple', 2, {'periods': 23.4})], evidence)
+    assert not found.links_declared
+    np.testing.assert_array_equal(found.mean[:40], model.mean[:40])
+
+
+def test_presliding_enters_a_model_that_had_none():
+    """A model of plain friction that turns over a travel gets the effect, and is better for it."""
+    names = ('rotor_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offset')
+    model = declared_model(0.01, names)
+    hypothesis = step_of('presliding_hysteresis', 1,
+                         {'presliding_distance': 2e-3}).chosen.parts[0][0]
+    uses = with_effect(model, hypothesis)
+    assert [(u.joint, u.shape) for u in uses if u.name == 'presliding_hysteresis'] \
+        == [(1, {'presliding_distance': 2e-3})]
+    # A model that has it keeps one, with the new travel.
+    uses = with_effect(declared_model(), hypothesis)
+    assert [u.shape['presliding_distance'] for u in uses if u.name == 'presliding_hysteresis'
+            and u.joint == 1] == [2e-3]
+    assert len(effect_slices(4, uses)) == len(declared_model().uses)
+
+
+def test_recordings_are_as_the_tests_say():
+    """The helper's own promise: an effect of so many times the noise, on its joint alone."""
+    plain, more = (np.concatenate([e.torque for e in r]) for r in (
+        recorded(), recorded(on(1, 2.0, cable))))
+    rms = np.sqrt(np.mean((more - plain) ** 2, axis=0)) / noise_of(declared_model().robot)
+    np.testing.assert_allclose(rms, [0.0, 2.0, 0.0, 0.0], atol=1e-9)
+    assert len(clean_runs(16.0)) == 4
