@@ -260,7 +260,7 @@ def test_the_page_shows_what_was_measured():
     ('base_tilt', {'angle': 0.05}, {'angle': 0.05}),
     ('viscous_friction', {'coefficient': 4.0}, {'coefficient': 4.0}),
     ('temperature_dependent_coulomb_friction', {'fall': 0.02}, {'slope': -0.02}),
-    ('torque_scale', {'gain': 0.25}, {'gain': 0.2}),
+    ('torque_scale', {'gain': 0.25}, {'gain': 0.25}),
     ('time_delay', {'delay': 0.02}, {'delay': 0.02}),
     ('cable_drag', {'torque': 3.0}, {})])
 def test_what_an_effect_adds_is_read_off_the_plant(name, parameters, expected):
@@ -276,7 +276,7 @@ def test_comparable_figures_are_figures_of_the_models_effects():
         effect = MODEL_EFFECTS[name]
         known = {p for p, _ in effect.parameters} | {shape.name for shape in effect.shapes}
         if effect.derived:
-            known |= set(effect.derived(np.ones(len(effect.parameters))))
+            known |= set(effect.derived(np.ones(len(effect.parameters)), effect.default_shape()))
         assert set(figures) <= known | {'angle'}, name
 
 

@@ -61,7 +61,7 @@ def unknown():
         UNKNOWN, ('wrist_2_joint',), {}, np.array([0.0, 0.0, 0.0, 0.0, 0.37, 0.0]),
         Evidence(51.0, 11.0, 11.2, 18, 143, 0.4), (), '', False, SUSPECTED,
         (picture('wrist_2_joint', 'velocity [rad/s]', speed,
-                 lambda v: v / (0.2 + (np.abs(v) - 1.0) ** 2) / 5.0, 0.08),))
+                 lambda v: v / (0.2 + (np.abs(v) - 1.0) ** 2) / 5.0, 0.08),), ('velocity',))
 
 
 def found():
@@ -211,7 +211,7 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
     '1412 ± 192 nats', 'Needed: 11.2 nats, with 143 hypotheses tried',
     'Next best explanation: cable drag, 655 nats behind',
     'cannot tell it from link inertia and cable drag', 'by a full turn, slowly.',
-    'had this effect already', 'depends on velocity [rad/s] at wrist_2_joint',
+    'had this effect already', 'depends on velocity.',
     'amplitude2.710 ± 0.062 Nm', '0.820 ± 0.024 rad (47.0 ± 1.4°)',
     '0.06280 rad (3.598°), no interval',
     '(−3.10 ± 0.80)·10−5 Nm s/(rad K2)', 'Cannot tell the temperature of Coulomb from that',

@@ -46,6 +46,8 @@ def run(args):
     out.mkdir(parents=True, exist_ok=True)
     content = diagnosis_content(diagnosis)
     write_model(out / 'model.yaml', better)
+    if diagnosis.correction is not None:
+        write_model(out / 'model_with_correction.yaml', diagnosis.correction.model)
     (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
     write_page(out / 'report.html', diagnosis)
     print(json.dumps(content) if args.json else f'{headline(diagnosis)}\n{out / "report.html"}')

@@ -7,6 +7,7 @@ from .coulomb_friction import COULOMB_FRICTION
 from .effect import Effect, EffectInput, Shape
 from .friction_asymmetry import FRICTION_ASYMMETRY
 from .gravity_spring import GRAVITY_SPRING
+from .learned_correction import LEARNED_POSITION_CORRECTION, LEARNED_VELOCITY_CORRECTION
 from .load_dependent_friction import LOAD_DEPENDENT_FRICTION
 from .presliding_hysteresis import PRESLIDING_HYSTERESIS
 from .rotor_inertia import ROTOR_INERTIA
@@ -29,7 +30,8 @@ EFFECTS = {effect.name: effect for effect in (
     GRAVITY_SPRING, CABLE_DRAG,
     LOAD_DEPENDENT_FRICTION, BACKLASH,
     TORQUE_RIPPLE, TORQUE_SCALE,
-    TORQUE_SCALE_TEMPERATURE, TIME_DELAY)}
+    TORQUE_SCALE_TEMPERATURE, TIME_DELAY,
+    LEARNED_VELOCITY_CORRECTION, LEARNED_POSITION_CORRECTION)}
 
 # Effects that need temperatures; identification leaves them out when there are none.
 NEEDS_TEMPERATURE = frozenset(e.name for e in EFFECTS.values() if 'warmth' in e.needs)

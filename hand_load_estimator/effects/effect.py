@@ -56,7 +56,7 @@ class Effect:
     of `shapes` to values; for an array of m joints and arrays of values, (N, m, k).
     in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
     function of, as a picture shows it. default: declared by `identify` unless told otherwise.
-    whole_arm: one set of parameters moves all joints. derived(values, shape) ->
+    learned: a function without physics, never searched for. whole_arm: one set of parameters moves all joints. derived(values, shape) ->
     {name: (value, unit)}: what an engineer calls the parameters, or None.
     """
 
@@ -72,6 +72,7 @@ class Effect:
     default: bool = False
     whole_arm: bool = False
     absolute: bool = False
+    learned: bool = False
     positive: tuple = ()
     derived: Callable | None = None
     # Fields of EffectInput, beside motion and friction state, that the columns read.

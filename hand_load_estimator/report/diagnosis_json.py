@@ -66,4 +66,7 @@ def diagnosis_content(diagnosis):
         'unexplained': _numbers(diagnosis.unexplained), **_load_error(diagnosis),
         'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
         'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
-        'seconds': _number(diagnosis.seconds)}
+        'correction': None if diagnosis.correction is None else {
+                'model': 'model_with_correction.yaml',
+                'torque_rmse': _numbers(diagnosis.correction.after)},
+            'seconds': _number(diagnosis.seconds)}

@@ -31,6 +31,15 @@ def better_model(model, steps, evidence):
                 continue
             uses = with_effect(replace(model, uses=uses), hypothesis)
             changed.add((hypothesis.name, hypothesis.joint))
+    return identified_again(model, uses, evidence, changed)
+
+
+def identified_again(model, uses, evidence, changed=frozenset()):
+    """
+    Return the TorqueModel with other uses, identified from Evidence.
+
+    changed: (name, joint) of declared effects that the old figures no longer hold for.
+    """
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own)
     return _identified(model, uses, mean, covariance, evidence, own)

@@ -8,6 +8,7 @@ import numpy as np
 from ..identification import Evidence as Recorded, prior
 from ..motion import Motion
 from .add import better_model, made_from
+from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
 from .contact import contacts_in
 from .find import find_residual, noise_floor
@@ -57,11 +58,12 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     findings = findings_of(model, better, residual, trace, odd) \
         + contacts + unknown_left(model, residual, rest, left, trace)
     cannot = [*sentences, *still.values(), *limited]
-    return Diagnosis(
+    correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
+    return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=tuple(e.name for e in evidence),
         tested_on=tested_on, seconds=time.monotonic() - began,
-        remains=_remains(model.robot, after, floor)), better
+        remains=_remains(model.robot, after, floor)), correction), better
 
 
 def _traced(model, residual, warmed, own, progress):

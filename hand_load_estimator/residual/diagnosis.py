@@ -74,6 +74,14 @@ class Finding:
 
 
 @dataclass(frozen=True)
+class Correction:
+    """A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its test error."""
+
+    model: object
+    after: np.ndarray
+
+
+@dataclass(frozen=True)
 class LoadError:
     """Error of load estimates on n loaded recordings: mass_rmse [kg], com_rmse [m] or None."""
 
@@ -91,7 +99,7 @@ class Diagnosis:
     findings: in the order they were found; unexplained (n,): share of the residual variance that
     is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
-    seconds spent; remains: sentences on structure that is left.
+    seconds spent; remains: sentences on structure that is left; correction: what is offered for it.
     """
 
     robot: str
@@ -109,3 +117,4 @@ class Diagnosis:
     tested_on: str = ''
     seconds: float = 0.0
     remains: tuple = ()
+    correction: Correction | None = None

@@ -53,7 +53,7 @@ def hypotheses(model, residual, blocks, warmed, done=()):
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
     for j in range(n):
         for name, effect in EFFECTS.items():
-            if effect.whole_arm or (name, j, '') in done:
+            if effect.whole_arm or effect.learned or (name, j, '') in done:
                 continue
             if j in warmed or 'warmth' not in effect.needs:
                 yield from _of_effect(model, residual, blocks, effect, j)
