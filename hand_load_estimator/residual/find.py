@@ -136,9 +136,12 @@ def _of_recording(model, evidence):
     stated = model.residuals.intensity
     density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \
         + stuck_density(x.z, doubt, x.v, level)
+    # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
+    turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
+    weights = np.where(turning, 0.0, motion.dt[:, None] / density)
     moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
     return _Part(x, evidence.torque, residual,
-                 motion.dt[:, None] / density, columns, motion.dt, motion.stamp, moving)
+                 weights, columns, motion.dt, motion.stamp, moving)
 
 
 def noise_floor(residual):

@@ -6,7 +6,8 @@ from ..errors import RecordingError
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
-SATURATED = 0.02       # share of the time at the largest effort
+SATURATED, HELD = 0.02, 0.9   # shares of the time at the largest effort
+STRANGE = 0.5          # share of a torque's variance that a model of this arm leaves at most
 LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
 
 
@@ -24,11 +25,11 @@ def refuse_the_useless(model, evidence):
     if max(np.abs(e.motion.v).max() for e in evidence) < STILL:
         raise RecordingError(f'{_names(evidence)}: no joint moves, and at rest friction hides '
                              'everything; record a motion of `hand_load excite`')
-    _refuse_another_robot(model, evidence)
+    refuse_another_robot(model, evidence)
 
 
-def _refuse_another_robot(model, evidence):
-    """A model that explains nothing at all belongs to another arm, unit or mounting."""
+def refuse_another_robot(model, evidence):
+    """Raise RecordingError where a model does not belong to the arm, unit or mounting at all."""
     for e in evidence:
         rigid = np.array([model.torque(*row) for row in zip(
             e.motion.q[::10], e.motion.v[::10], e.motion.a[::10])])
@@ -36,10 +37,10 @@ def _refuse_another_robot(model, evidence):
         measured = e.torque[::10]
         left = ((measured - rigid) ** 2).mean(axis=0)
         whole = ((measured - measured.mean(axis=0)) ** 2).mean(axis=0)
-        if loaded.any() and (left > 2.0 * whole)[loaded].mean() > 0.5:
+        if loaded.any() and (left > STRANGE * whole)[loaded].mean() > 0.5:
             raise RecordingError(
-                f'{e.name}: the model explains nothing of the torque of most joints; it belongs to '
-                'another robot, unit, sign or mounting; try `hand_load check`')
+                f'{e.name}: the model explains less than half of the torque of most joints; it '
+                'belongs to another robot, unit, sign or mounting; try `hand_load check`')
 
 
 def _names(evidence):
@@ -77,7 +78,8 @@ def saturated_rows(model, evidence):
         top = effort.max(axis=0)
         at = (effort > 0.998 * top) & (top > 0.0)
         share = at.mean(axis=0)
-        bad = share > SATURATED
+        # An effort that never changes belongs to a joint that is held.
+        bad = (share > SATURATED) & (share < HELD)
         sentences += [f'{e.name}: the effort of {model.robot.joints[j]} stands at its largest '
                       f'value for {100 * share[j]:.0f} % of the time; those samples are left out'
                       for j in np.flatnonzero(bad)]
