@@ -19,7 +19,8 @@ ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
 # effect's torque in units of the model's noise.
 LEAST_GAIN, SIGMAS, LEAST_RMS = 8.0, 3.0, 0.25
-CONSISTENT = 0.8  # share of blocks
+# Or it gains in this share of the blocks, and so many nats in all.
+CONSISTENT, PLENTY = 0.8, 100.0
 # What has no name must gain and matter so many times more.
 UNKNOWN_FACTOR = 4.0
 # A declared effect has changed when its torque is so many times what the model expects.
@@ -30,7 +31,7 @@ ADEQUATE = 0.6
 # Alternatives gain at least this share of the winner's, or belong to a known pair and gain ...
 ALIKE, ALIKE_PAIR = 0.85, 0.4
 # ... and are its equals, of which the simplest is taken, from this share on.
-EQUAL = 0.96
+EQUAL = 0.99
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
 ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 
@@ -270,8 +271,9 @@ def significant(candidate):
 
     An effect that only warm recordings show gains very unequally and still surely.
     """
-    return candidate.gain > SIGMAS * candidate.std \
-        or (candidate.by_block > 0.0).mean() > CONSISTENT
+    plain = candidate.gain > SIGMAS * candidate.std
+    nearly_always = (candidate.by_block > 0.0).mean() > CONSISTENT
+    return plain or (nearly_always and candidate.gain > PLENTY)
 
 
 def _joined(name, parts):
