@@ -12,8 +12,8 @@ from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
-# A delay delays the whole torque: its share is 1 within this.
-WHOLE = 0.35
+# A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
+WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 KNOTS = 32
@@ -155,10 +155,10 @@ def physical(hypothesis, score, declared):
     if hypothesis.name not in EFFECTS or declared:
         return True
     theta, std = score.theta, np.sqrt(np.diag(score.covariance))
-    positive = all(theta[k] > -2.0 * std[k] for k in EFFECTS[hypothesis.name].positive)
+    positive = all(theta[k] > 2.0 * std[k] for k in EFFECTS[hypothesis.name].positive)
     if hypothesis.name == 'time_delay':
         share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
-        return abs(share - 1.0) < max(WHOLE, 3.0 * doubt)
+        return abs(share - 1.0) < np.clip(3.0 * doubt, WHOLE, DOUBTFUL)
     return positive
 
 

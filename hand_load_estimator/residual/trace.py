@@ -18,7 +18,9 @@ from .hypotheses import hypotheses, physical, refinable, reshaped
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
 # effect's torque in units of the model's noise.
-LEAST_GAIN, SIGMAS, LEAST_RMS = 8.0, 3.0, 0.25
+LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.25
+# What one joint must gain to count as showing a cause of the whole arm.
+PART_GAIN = 8.0
 # Or it gains in this share of the blocks, and so many nats in all.
 CONSISTENT, PLENTY = 0.8, 100.0
 # What has no name must gain and matter so many times more.
@@ -220,7 +222,7 @@ class Trace:
 
     def _strong(self, hypothesis, score):
         """Tell whether one joint shows a cause of the whole arm by itself."""
-        return score.gain > LEAST_GAIN + np.log(self.trials) \
+        return score.gain > PART_GAIN + np.log(self.trials) \
             and self.matters(single(hypothesis, score))
 
     def _adequate(self, candidate, best):
