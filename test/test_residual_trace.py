@@ -270,7 +270,7 @@ def test_what_has_no_name_is_unknown_with_its_variable():
 @pytest.mark.parametrize('doubt, expected', [(0.2, []), (1e-3, ['viscous_friction'])])
 def test_a_change_that_the_model_expects_is_no_finding(doubt, expected):
     """The same change: news to a model that is sure, none to one that says it may be off."""
-    diagnosis, _ = diagnosed(on(2, 0.5, viscous), model=declared_model(doubt))
+    diagnosis, _ = diagnosed(on(2, 0.8, viscous), model=declared_model(doubt))
     assert [f.name for f in diagnosis.findings] == expected
 
 

@@ -18,13 +18,13 @@ from .hypotheses import hypotheses, physical, refinable, reshaped
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
 # effect's torque in units of the model's noise.
-LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.25
+LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.5
 # What one joint must gain to count as showing a cause of the whole arm.
 PART_GAIN = 8.0
 # Or it gains in this share of the blocks, and so many nats in all.
 CONSISTENT, PLENTY = 0.8, 100.0
-# What has no name must gain and matter so many times more.
-UNKNOWN_FACTOR = 4.0
+# What has no name must gain so many times more, and move as much torque as the noise.
+UNKNOWN_FACTOR, UNKNOWN_RMS = 4.0, 1.0
 # A declared effect has changed when its torque is so many times what the model expects.
 UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
@@ -164,7 +164,7 @@ class Trace:
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
         rms = np.sqrt(np.mean(torque ** 2, axis=0))
-        least = LEAST_RMS * (UNKNOWN_FACTOR if candidate.name == UNKNOWN else 1.0)
+        least = UNKNOWN_RMS if candidate.name == UNKNOWN else LEAST_RMS
         return bool((rms >= least * self._residual.noise).any())
 
     def _round(self):
