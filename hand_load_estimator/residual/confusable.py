@@ -33,6 +33,9 @@ PAIRS = {
     frozenset({'torque_scale', 'torque_scale_temperature'}): 'record cold and warm',
     frozenset({'rotor_inertia', 'link_inertia'}):
         'accelerate the joint in several poses of the joints behind it',
+    frozenset({'backlash', 'time_delay'}):
+        'move the joint where gravity keeps loading its gear to one side, fast: play does not show '
+        'there, a delay does',
     frozenset({'rotor_inertia', 'time_delay'}):
         'accelerate hard at high and at low speed: a delay follows the torque\'s rate, a rotor '
         'the acceleration'}

@@ -30,13 +30,13 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     last quarter of every recording. Raises RecordingError where nothing can be told.
     """
     began = time.monotonic()
-    refuse_the_useless(model, evidence)
     refuse_another_robot(model, test)
     tested_on = ', '.join(e.name for e in test)
     kept = not test
     if kept:
         evidence, test = zip(*(_split(e) for e in evidence))
         tested_on = 'the last quarter of every recording'
+    refuse_the_useless(model, evidence)
     warmed, sentences = warmed_joints(model, evidence)
     still = still_joints(model, evidence)
     saturated, limited = saturated_rows(model, evidence)

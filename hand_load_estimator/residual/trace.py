@@ -102,8 +102,7 @@ class Trace:
     """
     Forward selection on a Residual of a TorqueModel.
 
-    root: what Residual.blocks takes, for recordings that the model itself was made from.
-
+    root: what Residual.blocks takes, for recordings that the model itself was made from;
     steps: what was found; drifted: changes of declared effects no larger than the model says to
     expect; trials: hypotheses tried in the first round.
     """
@@ -131,22 +130,29 @@ class Trace:
         return self.steps
 
     def keep_what_still_gains(self):
-        """Backward check: drop named steps that gain no more beside the others."""
+        """Backward check: drop steps that gain no more beside the others."""
         for step in list(self.steps):
             again = self.still_gains(step)
             if again.gain < step.needed or not self.matters(again):
                 self.steps.remove(step)
+        # What was dropped must not count as explained.
+        self.blocks = self._blocks_of(self.steps + self.drifted)
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
-        blocks = self._residual.blocks(self._root)
-        for other in self.steps + self.drifted:
-            # A plain function would take the place of any effect of its variable.
-            if other is not step and other.chosen.name != UNKNOWN:
-                for hypothesis, _ in other.chosen.parts:
-                    blocks.add(hypothesis.columns)
+        # A plain function would take the place of any effect of its variable.
+        blocks = self._blocks_of(other for other in self.steps + self.drifted
+                                 if other is not step and other.chosen.name != UNKNOWN)
         parts = tuple((h, blocks.evaluate(h.columns)) for h, _ in step.chosen.parts)
         return _joined(step.chosen.name, parts)
+
+    def _blocks_of(self, steps):
+        """Return Blocks with the effects of some steps for nuisances."""
+        blocks = self._residual.blocks(self._root)
+        for step in steps:
+            for hypothesis, _ in step.chosen.parts:
+                blocks.add(hypothesis.columns)
+        return blocks
 
     def declared(self, candidate):
         """Tell whether the model has the effect already, with other figures."""
