@@ -76,9 +76,8 @@ class JointStream:
                 self._guard.rejected['temperature_expired'] += 1
 
 
-def motion_of(robot, recording):
-    """Return (Motion, rejected counts) of a Recording."""
-    stream, samples = JointStream(robot), []
+def motion_samples(stream, recording):
+    """Yield the MotionSamples of a Recording through a JointStream."""
     for item in recording.samples:
         if hasattr(item, 'joint'):
             stream.temperature_reading(item.joint, item.value)
@@ -86,5 +85,10 @@ def motion_of(robot, recording):
         sample = stream.joint_state(item.stamp, item.names, item.position, item.velocity,
                                     item.effort)
         if sample is not None:
-            samples.append(sample)
-    return Motion.of(samples), dict(stream.rejected)
+            yield sample
+
+
+def motion_of(robot, recording):
+    """Return (Motion, rejected counts) of a Recording."""
+    stream = JointStream(robot)
+    return Motion.of(list(motion_samples(stream, recording))), dict(stream.rejected)

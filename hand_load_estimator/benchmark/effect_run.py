@@ -5,11 +5,11 @@ import json
 from multiprocessing import get_context
 import os
 from pathlib import Path
-import threading
 import time
 
 from ..robot import load_robot
 from ..shared_files import find_shared
+from ..workers import end_with
 from .effect_cases import suite_cases
 from .effect_measure import measure_case
 from .effect_page import effects_markdown
@@ -38,7 +38,7 @@ def run_cases(cases, robot_path, folder, workers=None, write=print):
     # One thread per process, told before a worker loads numpy: cores times threads is slower.
     os.environ.setdefault('OMP_NUM_THREADS', '1')
     with ProcessPoolExecutor(workers or os.cpu_count() or 1, get_context('spawn'),
-                             _end_with, (os.getpid(),)) as pool:
+                             end_with, (os.getpid(),)) as pool:
         running = {pool.submit(_measure, *job): job[0] for job in jobs}
         for job in as_completed(running):
             result, fresh = job.result()
@@ -49,15 +49,6 @@ def run_cases(cases, robot_path, folder, workers=None, write=print):
                 write(f'case {done}/{missing}  {left / 60.0:.1f} min left  '
                       f'{running[job].label}')
     return [results[case.label] for case in cases]
-
-
-def _end_with(parent):
-    """End this worker soon after its parent, also when that was killed outright."""
-    def watch():
-        while os.getppid() == parent:
-            time.sleep(0.5)
-        os._exit(1)
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _measure(case, robot_path, folder):

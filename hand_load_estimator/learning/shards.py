@@ -1,8 +1,6 @@
 """Batches of training sequences on disk, made once, in parallel, and picked up after a kill."""
 
 import os
-import threading
-import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -12,6 +10,7 @@ from safetensors.torch import load_file, save_file
 
 from ..estimators.load_prior import load_prior
 from ..model_file import read_model
+from ..workers import end_with
 from .features import REFRESH, SlowResidual, features
 from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,
                                shape_posterior)
@@ -102,15 +101,6 @@ def _write_shard(model_path, seeds, path):
     return path
 
 
-def _end_with(parent):
-    """End this worker soon after its parent, also when that was killed outright."""
-    def watch():
-        while os.getppid() == parent:
-            time.sleep(0.5)
-        os._exit(1)
-    threading.Thread(target=watch, daemon=True).start()
-
-
 def write_shards(model_path, folder, seeds, progress):
     """
     Make the shards of a range of seeds below `folder` and return their paths.
@@ -123,7 +113,7 @@ def write_shards(model_path, folder, seeds, progress):
     paths = [folder / f'{part[0]}_{len(part)}.safetensors' for part in parts]
     todo = [(part, path) for part, path in zip(parts, paths) if not path.exists()]
     done = len(parts) - len(todo)
-    with ProcessPoolExecutor(max(1, os.cpu_count() or 1), initializer=_end_with,
+    with ProcessPoolExecutor(max(1, os.cpu_count() or 1), initializer=end_with,
                              initargs=(os.getpid(),)) as pool:
         jobs = [pool.submit(_write_shard, str(model_path), list(part), path)
                 for part, path in todo]

@@ -30,7 +30,7 @@ class Residual:
     """
     The residual of several recordings along their motion, N rows in all.
 
-    x: EffectInput with everything effects may read; torque, residual, weights (N, n) [Nm],
+    x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
     [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
     starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides;
     expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by; noise
@@ -38,7 +38,6 @@ class Residual:
     """
 
     x: EffectInput
-    torque: np.ndarray
     residual: np.ndarray
     weights: np.ndarray
     columns: np.ndarray
@@ -89,10 +88,9 @@ def find_residual(model, evidence, cut=True):
     cut: into blocks, to compare hypotheses on.
     """
     parts = [_of_recording(model, e) for e in evidence]
-    joined = {name: np.concatenate([getattr(p, name) for p in parts])
-              for name in ('torque', 'residual', 'weights', 'columns', 'dt', 'time', 'moving')}
-    x = _joined_input([p.x for p in parts])
-    owner = np.concatenate([np.full(len(p.dt), k) for k, p in enumerate(parts)])
+    joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
+    x = _joined_input([p['x'] for p in parts])
+    owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
     starts, folds = _cut(joined['dt'], owner) if cut else (np.zeros(1, int), np.zeros(1, int))
     noise = np.clip(noise_floor(joined['residual']), np.sqrt(STRUCTURE) * model.noise,
                     model.noise)
@@ -115,19 +113,8 @@ def _expected(model, columns, x):
     return np.sqrt((doubt ** 2).sum(axis=2).mean(axis=0))
 
 
-@dataclass(frozen=True)
-class _Part:
-    x: EffectInput
-    torque: np.ndarray
-    residual: np.ndarray
-    weights: np.ndarray
-    columns: np.ndarray
-    dt: np.ndarray
-    time: np.ndarray
-    moving: np.ndarray
-
-
 def _of_recording(model, evidence):
+    """Return the row-wise fields of a Residual for one recording."""
     robot, motion = model.robot, evidence.motion
     x, doubt = motion_input(robot, motion, model.presliding_distance())
     columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.held)
@@ -140,8 +127,8 @@ def _of_recording(model, evidence):
     turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
     weights = np.where(turning, 0.0, motion.dt[:, None] / density)
     moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
-    return _Part(x, evidence.torque, residual,
-                 weights, columns, motion.dt, motion.stamp, moving)
+    return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
+            'dt': motion.dt, 'time': motion.stamp, 'moving': moving}
 
 
 def noise_floor(residual):

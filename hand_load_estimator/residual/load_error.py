@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..estimators.bayes import Bayes
-from ..joint_stream import JointStream
+from ..joint_stream import JointStream, motion_samples
 from ..torque_model import ModelFollower
 from .diagnosis import LoadError
 
@@ -38,12 +38,9 @@ def estimate(model, recording):
     """Return the final estimate (10,) in message order of a Recording."""
     stream, follower = JointStream(model.robot), ModelFollower(model)
     method = Bayes(model, follower.uncertainties)
-    for item in recording.samples:
-        if hasattr(item, 'joint'):
-            stream.temperature_reading(item.joint, item.value)
-            continue
-        sample = stream.joint_state(item.stamp, item.names, item.position, item.velocity,
-                                    item.effort)
-        if sample is not None and not sample.fresh:
+    for sample in motion_samples(stream, recording):
+        if sample.fresh:
+            follower.restart()
+        else:
             method.update(sample, follower.update(sample))
     return method.belief().mean
