@@ -15,7 +15,7 @@ from hand_load_estimator.model_file import read_model
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import JointSample, Recording, RecordingWriter
 from hand_load_estimator.torque_model import (ColumnLayout, effect_slices, EffectUse,
-                                              motion_input, parameter_count, torque_columns)
+                                              motion_input, torque_columns)
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
