@@ -7,8 +7,10 @@ import torch
 
 from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.learning import calibration
 from hand_load_estimator.learning.calibration import calibrate, held_out_scores, TOLD
 from hand_load_estimator.learning.features import feature_count, features
+from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers, divergence, JUDGED, LABEL_STD
 from hand_load_estimator.learning.random_loads import random_load
@@ -81,7 +83,7 @@ def test_training_steps_lower_the_objective_through_the_regression(model, shard)
                                   *network.joint_head.parameters()], lr=1e-2)
     losses = []
     for _ in range(12):
-        loss = divergence(*answers(network, shard, *prior), shard['load']).mean()
+        loss = divergence(*answers(network, shard, *prior)[:2], shard['load']).mean()
         optimiser.zero_grad()
         loss.backward()
         if not losses:
@@ -230,7 +232,7 @@ def test_calibration_makes_95_percent_95_percent(model, tmp_path):
         save_file({name: value.contiguous() for name, value in batch.items()}, paths[-1])
     prior, network = prior_tensors(model.robot), LoadNetwork(feature_count(4), 4, 6)
     factors = calibrate(network, paths, prior)
-    assert factors.shape == (10,) and (factors > 0.0).all()
+    assert factors.shape == (10, len(LEVELS)) and (factors > 0.0).all()
     own = held_out_scores(network, factors, paths, prior)
     coverage = np.array(list(own['coverage_of_95'].values()))
     np.testing.assert_allclose(coverage, 0.95, atol=0.01)
@@ -239,3 +241,16 @@ def test_calibration_makes_95_percent_95_percent(model, tmp_path):
     assert set(own['mass_rmse_kg_lstm']) == {f'{(k + 1) / 10:g} s' for k in TOLD}
     # A network that does nothing has the scores of none.
     assert own['mass_rmse_kg_lstm'] == own['mass_rmse_kg_without_network']
+
+
+def test_factors_differ_where_the_errors_do(monkeypatch):
+    rng = np.random.default_rng(5)
+    levels = rng.uniform(-2.5, 0.0, (400, 20, 10))
+    # Surer answers err three times as much as they say.
+    ratios = rng.normal(size=levels.shape) * np.where(levels < -1.25, 3.0, 1.0)
+    severe = np.arange(400) < 40
+    ratios[severe] *= 100.0
+    monkeypatch.setattr(calibration, '_errors', lambda *_: (ratios, ratios, levels, severe))
+    factors = calibrate(None, (), None)
+    np.testing.assert_allclose(factors[:, :3], 3.0, rtol=0.1)
+    np.testing.assert_allclose(factors[:, 4:], 1.0, rtol=0.1)

@@ -15,6 +15,7 @@ from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.artefact import read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count, features, REFRESH
+from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers
 from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
@@ -22,6 +23,7 @@ from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.torque_model import ModelFollower
 
 HIDDEN = 12
+NEUTRAL = np.ones((10, len(LEVELS)))
 
 
 def network_of(robot, seed=1, size=0.3):
@@ -38,7 +40,7 @@ def network_of(robot, seed=1, size=0.3):
 def artefact_of(folder, robot, network, calibration=None, **card):
     """Write a network as an artefact and return it as it is read."""
     weights = {k: v.detach().float().numpy() for k, v in network.state_dict().items()}
-    write_artefact(folder, weights, np.ones(10) if calibration is None else calibration,
+    write_artefact(folder, weights, NEUTRAL if calibration is None else calibration,
                    {'joints': list(robot.joints), 'effort_kind': robot.effort.kind, **card})
     return read_artefact(folder, robot)
 
@@ -164,7 +166,7 @@ def test_answers_are_the_same_in_training_and_running(spied):
     shard = spy.shard(model)
     judged = range(4, len(spy.beliefs) // REFRESH, 5)
     with torch.no_grad():
-        mean, variance = answers(network, shard, *prior_tensors(model.robot), judged=judged)
+        mean, variance, _ = answers(network, shard, *prior_tensors(model.robot), judged=judged)
     for place, k in enumerate(judged):
         belief = spy.beliefs[(k + 1) * REFRESH - 1]
         std = np.sqrt(np.diag(belief.covariance))
@@ -194,13 +196,22 @@ def test_the_network_changes_the_answer(silent, loud):
 
 
 def test_calibration_scales_standard_deviations(tmp_path, robot, silent):
-    factors = np.linspace(0.8, 2.0, 10)
+    factors = np.linspace(0.8, 2.0, 10)[:, None] * np.ones(len(LEVELS))
     wide = artefact_of(tmp_path, robot, network_of(robot, size=0.0), factors)
     model = exact_model('four')
     stream = messages(model, block(2.0), 2.0)
     one, other = (feed(warm(pipeline_with(model, a)), stream)[-1] for a in (silent, wide))
-    np.testing.assert_allclose(other.std / one.std, factors, rtol=1e-5)
+    np.testing.assert_allclose(other.std / one.std, factors[:, 0], rtol=1e-5)
     np.testing.assert_array_equal(other.mean, one.mean)
+
+
+def test_factors_follow_how_well_a_parameter_is_determined():
+    factors = np.tile(np.arange(1.0, 7.0), (10, 1))
+    level = level_of(np.full(10, 10.0 ** -1.25), np.ones(10))
+    np.testing.assert_allclose(factors_at(factors, level), 3.5)
+    # Beyond the levels the outermost factors hold.
+    np.testing.assert_allclose(factors_at(factors, np.full(10, -4.0)), 1.0)
+    np.testing.assert_allclose(factors_at(factors, level_of(np.full(10, 3.0), np.ones(10))), 6.0)
 
 
 def test_a_changed_load_is_noticed_in_step_with_bayes(silent):

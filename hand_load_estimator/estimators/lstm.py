@@ -10,6 +10,7 @@ The forward pass is numpy, because one sample through torch costs more than the 
 import numpy as np
 
 from ..learning.features import REFRESH, SlowResidual, features
+from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
 from ..load import message_from_shape
 from ..torque_model import warmth_of
@@ -140,8 +141,8 @@ class Lstm:
         shape = posterior.shape + self._shift * std
         wide = np.exp(self._spread)
         covariance = message_covariance(shape, posterior.shape_covariance * np.outer(wide, wide))
-        return Belief(message_from_shape(shape),
-                      covariance * np.outer(self._calibration, self._calibration))
+        factors = factors_at(self._calibration, level_of(wide * std, self._prior.std))
+        return Belief(message_from_shape(shape), covariance * np.outer(factors, factors))
 
     def forget(self):
         """Forget the load."""

@@ -14,6 +14,7 @@ from safetensors.numpy import load_file, save_file
 
 from ..errors import ConfigurationError
 from .features import feature_count
+from .interval_factors import LEVELS
 
 SCHEMA = 'hand_load/learned/1'
 WEIGHTS, CARD = 'lstm.safetensors', 'card.json'
@@ -24,7 +25,7 @@ _SHAPES = ('lstm.weight_ih_l0', 'lstm.weight_hh_l0', 'lstm.bias_ih_l0', 'lstm.bi
 
 @dataclass(frozen=True)
 class Artefact:
-    """weights: name -> array; calibration (10,): factors on the standard deviations; card."""
+    """weights: name -> array; calibration (10, levels): factors of interval_factors; card."""
 
     weights: dict
     calibration: np.ndarray
@@ -75,7 +76,7 @@ def _check(folder, card, tensors, robot):
     n = robot.n
     expected = dict(zip(_SHAPES, (
         (4 * hidden, feature_count(n)), (4 * hidden, hidden), (4 * hidden,), (4 * hidden,),
-        (2, hidden), (2,), (20, n * hidden), (20,), (10,))))
+        (2, hidden), (2,), (20, n * hidden), (20,), (10, len(LEVELS)))))
     for name, shape in expected.items():
         if name not in tensors or tensors[name].shape != shape \
                 or not np.isfinite(tensors[name]).all():

@@ -18,9 +18,10 @@ JUDGED = tuple(range(1, 24)) + tuple(range(25, 50, 4)) + tuple(range(52, 100, 8)
 
 def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
     """
-    Return mean and variance (B, J, 10) in message order after the judged chunks.
+    Return mean, variance (B, J, 10) in message order, relative (B, J, 10) after judged chunks.
 
-    network None gives the plain regression.
+    relative: stated standard deviation over the prior's, in shape order. network None gives the
+    plain regression.
     """
     columns, difference, weights = shard['columns'], shard['difference'], shard['weights']
     last = [(k + 1) * REFRESH - 1 for k in judged]
@@ -36,7 +37,8 @@ def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
         *marginal(matrix[:, picked].double(), vector[:, picked].double()), prior_mean, prior_std)
     if network is not None:
         shape, covariance = adjusted(shape, covariance, shift, spread)
-    return message_moments(shape, covariance)
+    std = torch.sqrt(torch.diagonal(covariance, dim1=-2, dim2=-1))
+    return *message_moments(shape, covariance), std / prior_std
 
 
 def adjusted(shape, covariance, shift, spread):

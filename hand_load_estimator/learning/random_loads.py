@@ -18,16 +18,15 @@ def random_load(rng, robot, empty=0.06):
     """
     Return LoadParameters from nothing to the rated mass.
 
-    rng: numpy Generator; empty: share of loads that are nothing at all. Small and large
-    sizes are equally likely (0.04 to 0.4 m at 12.5 kg) and grow with the cube root of the rated
-    mass.
+    rng: numpy Generator; empty: share of loads that are nothing at all. Sides are 0.04 to 0.35 m
+    at 12.5 kg and grow with the cube root of the rated mass.
     """
     if rng.random() < empty:
         return LoadParameters()
     rated = robot.rated_load
     size = (rated.mass / 12.5) ** (1.0 / 3.0)
     mass = rated.mass * rng.uniform(0.005, 1.0)
-    sides = np.exp(rng.uniform(*np.log((0.04, 0.4)), 3)) * size
+    sides = rng.uniform(0.04, 0.35, 3) * size
     inertia = mass / 12.0 * np.diag(np.sum(sides ** 2) - sides ** 2)
     rotation = _random_rotation(rng)
     com = rated.com + rng.normal(0.0, [0.06, 0.06, 0.06]) * size

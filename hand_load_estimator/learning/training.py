@@ -184,7 +184,7 @@ def _optimise(robot, recipe, paths, work, device, write):
         turn, place = divmod(run.step, len(paths))
         order = np.random.default_rng([recipe.seed, turn]).permutation(len(paths))
         shard = read_shard(paths[order[place]], device)
-        mean, variance = answers(run.network, shard, *prior)
+        mean, variance, _ = answers(run.network, shard, *prior)
         loss = divergence(mean, variance, shard['load']).mean()
         run.optimiser.zero_grad()
         loss.backward()

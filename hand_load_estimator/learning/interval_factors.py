@@ -1,0 +1,22 @@
+"""
+Factors that make stated standard deviations true, by how well a parameter is determined.
+
+Early, when a parameter is hardly determined, and late, when the model's errors are all that is
+left, a network errs differently: one factor for both would be too small for one and too large
+for the other.
+"""
+
+import numpy as np
+
+# log10 of the stated standard deviation over the prior's, at which factors are held.
+LEVELS = (-2.5, -2.0, -1.5, -1.0, -0.5, 0.0)
+
+
+def level_of(std, prior_std):
+    """Return log10 (..., 10) of stated over prior standard deviations, both in shape order."""
+    return np.log10(np.maximum(std / prior_std, 1e-9))
+
+
+def factors_at(factors, level):
+    """Return (10,) factors for one level (10,) from those at LEVELS (10, len(LEVELS))."""
+    return np.array([np.interp(x, LEVELS, row) for x, row in zip(level, factors)])
