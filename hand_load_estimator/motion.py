@@ -29,7 +29,8 @@ class MotionSample:
 
     stamp [s] of the newest message used; dt [s] since the sample before; q, v, a, effort,
     temperature (n,) each; effort in the unit of the message; temperature NaN where unknown.
-    fresh: the filter has just (re)started, and a start in motion would still show.
+    fresh: the filter has just (re)started, and a start in motion would still show. messages: how
+    many messages came since the sample before.
     """
 
     stamp: float
@@ -40,6 +41,7 @@ class MotionSample:
     effort: np.ndarray
     temperature: np.ndarray
     fresh: bool
+    messages: int = 1
 
 
 def filter_step(dt, w=BANDWIDTH):
@@ -97,6 +99,7 @@ class MotionFilter:
         dt = stamp - self._stamp
         self._advance(dt, np.nan_to_num(signal))
         self._stamp = stamp
+        self._messages += 1
         self._period += 0.1 * (dt - self._period) if self._period else dt
         # Close the block when one more message would overrun it.
         if stamp - self._emitted + self._period <= BLOCK * 1.0001:
@@ -110,7 +113,7 @@ class MotionFilter:
         # `settled` tells when the start no longer shows in the acceleration.
         self._state = np.repeat(signal[None], 3, axis=0)
         self._input, self._stamp, self._emitted = signal, stamp, stamp
-        self._started, self._period = stamp, 0.0
+        self._started, self._period, self._messages = stamp, 0.0, 0
         return None
 
     def _advance(self, dt, signal):
@@ -136,10 +139,11 @@ class MotionFilter:
             v = third[1].copy()
             a = w * (second[1] - third[1])
         dt, self._emitted = stamp - self._emitted, stamp
+        messages, self._messages = self._messages, 0
         # Ten time constants after a start in full motion the transient is below 0.3 %.
         fresh = stamp - self._started < 10.0 / w
         return MotionSample(stamp, dt, third[0].copy(), v, a, third[2].copy(),
-                            self._temperature.copy(), fresh)
+                            self._temperature.copy(), fresh, messages)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from .effects import EFFECTS, EffectInput
 from .effects.smooth_sign import sign_of
 from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
+from .torque_noise import SampleNoise
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
@@ -313,6 +314,7 @@ class ModelFollower:
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
+        self._noise = SampleNoise(model.residuals.rmse)
         self._known = self._drift = self._before = None
 
     @property
@@ -323,6 +325,7 @@ class ModelFollower:
     def restart(self):
         """Forget the path, as after a gap in the data."""
         self._path.restart()
+        self._noise.restart()
         self._before = None
 
     def _columns(self, x, dt):
@@ -354,7 +357,9 @@ class ModelFollower:
             self._known, self._drift = known, drift_std(self.model, known)
         nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
         stuck = stuck_variance(z, doubt, sample.v, self._friction)
-        density = self.model.residuals.intensity + 2.0 * STUCK_TIME * stuck
+        # Identification measured the residual's density; sampled more rarely it has more.
+        noise = self._noise.update(difference, sample.dt, sample.messages)
+        density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
             load = load_through_effects(self.model, columns[0], load, sample)

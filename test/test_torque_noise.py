@@ -1,0 +1,69 @@
+"""Noise of single samples: measured at any rate, blind to motion, and heard by the estimator."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.motion import MotionFilter
+from hand_load_estimator.plant import simulate_motion, TemperatureEvent
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.torque_noise import SampleNoise
+
+STD = 1.2  # [Nm] of one reported torque
+
+
+def measured(rate, torque=lambda t: 0.0, seconds=15.0):
+    """Return the density [Nm^2 s] SampleNoise finds in noise of STD at a rate [Hz]."""
+    rng, motion, noise = np.random.default_rng(0), MotionFilter(1), SampleNoise(np.array([0.3]))
+    for k in range(int(rate * seconds)):
+        effort = torque(k / rate) + STD * rng.normal(size=1)
+        sample = motion.update(k / rate, np.zeros(1), np.zeros(1), effort)
+        if sample is not None and not sample.fresh:
+            density = noise.update(sample.effort, sample.dt, sample.messages)
+    return density[0]
+
+
+@pytest.mark.parametrize('rate', [30, 50, 94, 125, 500, 1000])
+def test_white_noise_has_its_variance_times_its_spacing(rate):
+    assert measured(rate) == pytest.approx(STD ** 2 / rate, rel=0.3)
+
+
+@pytest.mark.parametrize('rate', [30, 500])
+def test_motion_is_no_noise(rate):
+    def carried(t):
+        return 60.0 * np.sin(2.0 * np.pi * 0.7 * t)
+    assert measured(rate, carried) == pytest.approx(measured(rate), rel=0.2)
+
+
+def test_reversals_are_hardly_noise():
+    def friction(t):
+        return 9.0 * np.sign(np.sin(2.0 * np.pi * 0.3 * t))
+    assert measured(500, friction) < 2.0 * measured(500)
+
+
+def test_until_it_is_measured_the_residual_is_taken_for_noise():
+    noise = SampleNoise(np.array([0.3, 2.0]))
+    np.testing.assert_allclose(noise.update(np.zeros(2), 0.02, 10), np.array([0.09, 4.0]) * 0.02)
+
+
+def test_slow_joint_states_are_believed_less():
+    """At 30 Hz this run had false load changes while density was thought the same as at 500."""
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    load = LoadParameters(4.0, robot.rated_load.com, 0.015 * np.eye(3))
+    motion = named_motion('pick_place', robot, 20.0, 0.7, 3)
+    pipeline, due, estimate = build_pipeline('ur10e', 'lstm'), 0.0, None
+    for event in simulate_motion(robot, motion.time, motion.position, motion.velocity,
+                                 motion.acceleration, seed=1, run=3, start_temperature=18.0,
+                                 load=load):
+        if isinstance(event, TemperatureEvent):
+            for joint, celsius in zip(robot.joints, event.celsius):
+                pipeline.temperature_reading(joint, celsius)
+        elif event.stamp >= due:
+            due = event.stamp + 1.0 / 30.0 - 1e-4
+            estimate = pipeline.joint_state(event.stamp, robot.joints, event.position,
+                                            event.velocity, event.effort) or estimate
+    assert pipeline.load_id == 0
+    assert abs(estimate.mean[0] - 4.0) < 3.0 * estimate.std[0] < 0.15
