@@ -13,6 +13,8 @@ import numpy as np
 
 from .effects import EFFECTS, EffectInput
 from .effects.smooth_sign import sign_of
+from .late_load import LateLoad
+from .play import PlayState, play_along
 from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
 
@@ -197,7 +199,7 @@ class ColumnLayout:
 
 
 # Inputs of effects that follow from the other columns.
-_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late'})
+_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late', 'play'})
 
 
 def _fill(groups, columns, x):
@@ -205,14 +207,16 @@ def _fill(groups, columns, x):
         columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
 
 
-def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None):
+def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
+                   teeth=None):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
     between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
     load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
-    what `plain_torque` was at the samples before the first.
+    what `plain_torque` was at the samples before the first; teeth: PlayState (n) of the gears
+    there, carried on.
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
@@ -222,10 +226,11 @@ def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None)
     if layout.needs:
         held = 0.0 if held is None else held
         plain = columns @ mean + held
+        gear = columns[:, :, :layout.links] @ mean[:layout.links] + held
         layout.fill_torque_bound(columns, replace(
-            x, gear=columns[:, :, :layout.links] @ mean[:layout.links] + held,
-            drive=plain, rate=_rate(plain, dt, before),
+            x, gear=gear, drive=plain, rate=_rate(plain, dt, before),
             late=lateness(plain, dt, before),
+            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
             tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
 
@@ -257,6 +262,18 @@ def lateness(torque, dt, before=None):
         return np.stack([np.interp(now - delay, time, column) for delay, column in
                          zip(delays, series.T)], axis=1) - torque
     return late
+
+
+def play_columns(robot, q, gear, dt, teeth=None):
+    """
+    Return play(joints, travels) of EffectInput for torques gear (N, n) [Nm] at positions q (N, n).
+
+    The links' inertias are the robot file's. teeth: PlayState (n) to carry on, or new ones.
+    """
+    if dt is None:
+        return lambda joints, _: np.zeros((len(q), *np.shape(joints), 2))
+    inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
+    return play_along(gear, inertia, dt, teeth)
 
 
 def tilt_columns(robot, q, mean):
@@ -313,7 +330,10 @@ class ModelFollower:
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
-        self._known = self._drift = self._before = None
+        self._known = self._drift = None
+        self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
+                                    for use, where in model.slices() if use.name == 'time_delay'})
+        self._forget_torques()
 
     @property
     def uncertainties(self):
@@ -323,14 +343,19 @@ class ModelFollower:
     def restart(self):
         """Forget the path, as after a gap in the data."""
         self._path.restart()
+        self._forget_torques()
+
+    def _forget_torques(self):
         self._before = None
+        self._late_load.restart()
+        self._teeth = [PlayState() for _ in self.model.robot.joints]
 
     def _columns(self, x, dt):
         model = self.model
         if not model.layout.needs:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
-                                 before=self._before)
+                                 before=self._before, teeth=self._teeth)
         self._remember(model.layout.plain_torque(columns, model.mean), dt)
         return columns
 
@@ -357,7 +382,8 @@ class ModelFollower:
         density = self.model.residuals.intensity + 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load = load_through_effects(self.model, columns[0], load, sample)
+            load = load_through_effects(self.model, columns[0], load, sample) \
+                + self._late_load.change(load, sample.dt)
         return Prediction(difference, load,
                           nuisances, z, doubt, stuck, density)
 
@@ -371,8 +397,7 @@ def load_through_effects(model, columns, load, sample):
     Return K (n, 10) of a load as effects that depend on torques let it through.
 
     columns Y (n, P) and load K (n, 10) at a MotionSample. A wrong gain scales the load's torque
-    too, friction grows with it, a leaning base turns its weight. What a delay does to it is left
-    out: it is the rate of the load's torque times the delay.
+    too, friction grows with it, a leaning base turns its weight. LateLoad adds what a delay does.
     """
     robot, gain = model.robot, np.ones(model.robot.n)
     direction = np.sign(columns[:, :10 * robot.n] @ model.mean[:10 * robot.n])
