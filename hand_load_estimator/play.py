@@ -45,18 +45,19 @@ class PlayState:
         self._apart = False
         self._shown = np.zeros(3)
 
-    def update(self, torque, inertia, travel, dt):
+    def update(self, torque, inertia, travel, lag, dt):
         """
-        Return the torque [Nm] that play adds to the drive's, and its rate [Nm/s], after dt [s].
+        Return the torque [Nm] that play adds to the drive's, after dt [s].
 
         torque [Nm] that the gear has to carry, inertia [kg m^2] of the link about its joint, both
-        of the filtered motion; travel [rad] of the gap.
+        of the filtered motion; travel [rad] of the gap; lag [s] of the torque between the teeth
+        behind it, by which they part late.
         """
         if self._torque is None:
             self._torque = self._ahead = torque
             self._place = math.copysign(0.5 * travel, torque)
         # What the filter shows is late; the teeth part when the torque itself changes sign.
-        ahead = torque + FILTER_DELAY * (torque - self._torque) / dt
+        ahead = torque + (FILTER_DELAY - lag) * (torque - self._torque) / dt
         before, self._torque, self._ahead = self._ahead, torque, ahead
         if self._apart or before * self._place < 0.0 or ahead * self._place < 0.0:
             slope, step = (ahead - before) / STEPS, dt / STEPS
@@ -66,10 +67,7 @@ class PlayState:
             self._shown = matrix @ self._shown + gains @ felt
         elif self._shown.any():
             self._shown = _filter(dt)[0] @ self._shown
-        return self._seen()
-
-    def _seen(self):
-        return self._shown[2], BANDWIDTH * (self._shown[1] - self._shown[2])
+        return float(self._shown[2])
 
     def _cross(self, torque, inertia, half, step):
         """Return the mean torque [Nm] over a step [s] under a constant torque of the link."""
@@ -87,18 +85,18 @@ class PlayState:
 
 def play_along(torque, inertia, dt, states=None):
     """
-    Return play(joints, travels): what gaps [rad] do along torque, inertia (N, n), dt (N,) [s].
+    Return play(joints, travels, lags): what gaps [rad] do along torque, inertia (N, n), dt (N,) [s].
 
-    For one joint (N, 2), for arrays of m joints and travels (N, m, 2), as of PlayState.update.
-    states: PlayState (n) to carry on; new ones without.
+    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m). states: PlayState (n) to
+    carry on; new ones without.
     """
-    def of(j, travel):
+    def of(j, travel, lag):
         state = PlayState() if states is None else states[j]
         rows = zip(torque[:, j].tolist(), inertia[:, j].tolist(), dt.tolist())
-        return np.array([state.update(tau, moved, travel, step) for tau, moved, step in rows])
+        return np.array([state.update(tau, moved, travel, lag, step) for tau, moved, step in rows])
 
-    def play(joints, travels):
+    def play(joints, travels, lags):
         if np.ndim(joints) == 0:
-            return of(joints, travels)
-        return np.stack([of(*pair) for pair in zip(joints, travels)], axis=1)
+            return of(joints, travels, lags)
+        return np.stack([of(*one) for one in zip(joints, travels, lags)], axis=1)
     return play

@@ -266,12 +266,12 @@ def lateness(torque, dt, before=None):
 
 def play_columns(robot, q, gear, dt, teeth=None):
     """
-    Return play(joints, travels) of EffectInput for torques gear (N, n) [Nm] at positions q (N, n).
+    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at positions q (N, n).
 
     The links' inertias are the robot file's. teeth: PlayState (n) to carry on, or new ones.
     """
     if dt is None:
-        return lambda joints, _: np.zeros((len(q), *np.shape(joints), 2))
+        return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
     inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
     return play_along(gear, inertia, dt, teeth)
 

@@ -103,7 +103,7 @@ def _joined_input(parts):
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names},
         late=lambda delay: np.concatenate([p.late(delay) for p in parts]),
-        play=lambda j, travel: np.concatenate([p.play(j, travel) for p in parts]))
+        play=lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
 
 
 def _expected(model, columns, x):
