@@ -14,6 +14,7 @@ import numpy as np
 from .effects import EFFECTS, EffectInput
 from .effects.smooth_sign import sign_of
 from .late_load import LateLoad
+from .load import products_from_message
 from .play import PlayState, play_along
 from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
@@ -208,15 +209,15 @@ def _fill(groups, columns, x):
 
 
 def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
-                   teeth=None):
+                   teeth=(None, 0.0)):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
     between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
     load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
-    what `plain_torque` was at the samples before the first; teeth: PlayState (n) of the gears
-    there, carried on.
+    what `plain_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
+    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
@@ -264,16 +265,17 @@ def lateness(torque, dt, before=None):
     return late
 
 
-def play_columns(robot, q, gear, dt, teeth=None):
+def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
     Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at positions q (N, n).
 
-    The links' inertias are the robot file's. teeth: PlayState (n) to carry on, or new ones.
+    The links' inertias are the robot file's. teeth: as of torque_columns.
     """
     if dt is None:
         return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
     inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
-    return play_along(gear, inertia, dt, teeth)
+    states, believed = teeth
+    return play_along(gear + believed, inertia, dt, states)
 
 
 def tilt_columns(robot, q, mean):
@@ -331,6 +333,7 @@ class ModelFollower:
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
         self._known = self._drift = None
+        self._carried = np.zeros(10)
         self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
                                     for use, where in model.slices() if use.name == 'time_delay'})
         self._forget_torques()
@@ -350,12 +353,23 @@ class ModelFollower:
         self._late_load.restart()
         self._teeth = [PlayState() for _ in self.model.robot.joints]
 
+    def carry(self, belief, method):
+        """Take a Method's Belief of the load: its torque too decides when teeth part."""
+        if 'play' in self.model.layout.needs:
+            self._carried = products_from_message(belief.mean) + method.tared
+
+    def _believed(self, x):
+        """Return the torque (n,) [Nm] of what is believed to be held."""
+        if not self._carried.any():
+            return 0.0
+        return self.model.load_regressor(x.q[0], x.v[0], x.a[0]) @ self._carried
+
     def _columns(self, x, dt):
         model = self.model
         if not model.layout.needs:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
-                                 before=self._before, teeth=self._teeth)
+                                 before=self._before, teeth=(self._teeth, self._believed(x)))
         self._remember(model.layout.plain_torque(columns, model.mean), dt)
         return columns
 
