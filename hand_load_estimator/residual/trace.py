@@ -285,7 +285,7 @@ def significant(candidate):
     plain = candidate.gain > SIGMAS * candidate.std
     acting = candidate.by_block[np.abs(candidate.by_block) > ACTS]
     nearly_always = len(acting) >= FEWEST and (acting > 0.0).mean() > CONSISTENT
-    return plain or (nearly_always and candidate.gain > PLENTY)
+    return bool(plain or (nearly_always and candidate.gain > PLENTY))
 
 
 def _joined(name, parts):
