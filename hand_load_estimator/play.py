@@ -9,6 +9,7 @@ teeth meet and the drive takes the link's momentum at once. So a crossing spares
 and returns all of its integral with the impact.
 """
 
+from functools import lru_cache
 import math
 
 import numpy as np
@@ -19,28 +20,27 @@ from .motion import BANDWIDTH, filter_step
 STEPS = 10
 # The motion filter delays by this [s].
 FILTER_DELAY = 3.0 / BANDWIDTH
-_filters = {}
+# Times between samples are rounded to this [s], so that jitter makes no end of filters.
+ROUNDED = 1e-4
 
 
-def _filter(dt):
-    """Return (3, 3) and (3, STEPS): the motion filter over dt [s] for inputs held a step each."""
-    key = round(dt, 6)
-    if key not in _filters:
-        matrix, before, now = filter_step(max(key, 1e-6) / STEPS)
-        powers = [np.linalg.matrix_power(matrix, k) for k in range(STEPS, -1, -1)]
-        _filters[key] = powers[0], np.stack([p @ (before + now) for p in powers[1:]], axis=1)
-    return _filters[key]
+@lru_cache(maxsize=4096)
+def _filter(count):
+    """Return (3, 3) and (3, STEPS): the motion filter over `count` ROUNDED, inputs held a step."""
+    matrix, before, now = filter_step(max(count, 1) * ROUNDED / STEPS)
+    powers = [np.linalg.matrix_power(matrix, k) for k in range(STEPS, -1, -1)]
+    return powers[0], np.stack([p @ (before + now) for p in powers[1:]], axis=1)
 
 
 class PlayState:
     """
-    Follow the gap of one joint, and the torque its drive feels of it as the motion filter shows it.
+    Follow the gap of one joint, and what its drive feels of it as the motion filter shows it.
 
     Starts with the teeth together on the side that the torque pushes to.
     """
 
     def __init__(self):
-        self._torque = self._ahead = None
+        self._torque = self._ahead = None  # [Nm] shown by the filter, and without its delay
         self._place = self._speed = 0.0
         self._apart = False
         self._shown = np.zeros(3)
@@ -63,10 +63,10 @@ class PlayState:
             slope, step = (ahead - before) / STEPS, dt / STEPS
             felt = [self._cross(before + (k + 0.5) * slope, inertia, 0.5 * travel, step)
                     for k in range(STEPS)]
-            matrix, gains = _filter(dt)
+            matrix, gains = _filter(round(dt / ROUNDED))
             self._shown = matrix @ self._shown + gains @ felt
         elif self._shown.any():
-            self._shown = _filter(dt)[0] @ self._shown
+            self._shown = _filter(round(dt / ROUNDED))[0] @ self._shown
         return float(self._shown[2])
 
     def _cross(self, torque, inertia, half, step):
@@ -85,10 +85,10 @@ class PlayState:
 
 def play_along(torque, inertia, dt, states=None):
     """
-    Return play(joints, travels, lags): what gaps [rad] do along torque, inertia (N, n), dt (N,) [s].
+    Return play(joints, travels, lags): what gaps do along torque, inertia (N, n), dt (N,) [s].
 
-    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m). states: PlayState (n) to
-    carry on; new ones without.
+    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m).
+    states: PlayState (n) to carry on; new ones without.
     """
     def of(j, travel, lag):
         state = PlayState() if states is None else states[j]

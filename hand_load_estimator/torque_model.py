@@ -267,7 +267,7 @@ def lateness(torque, dt, before=None):
 
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
-    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at positions q (N, n).
+    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at q (N, n).
 
     The links' inertias are the robot file's. teeth: as of torque_columns.
     """

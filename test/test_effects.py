@@ -38,7 +38,8 @@ def inputs(n=4, count=60, seed=0):
 
 def shapes_of(effect, count):
     """Return a different value of each shape parameter for so many joints."""
-    return {s.name: np.array([s.grid[k % len(s.grid)] if s.grid else 40.0 + 7.0 * k for k in range(count)])
+    return {s.name: np.array([s.grid[k % len(s.grid)] if s.grid else 40.0 + 7.0 * k
+                              for k in range(count)])
             for s in effect.shapes}
 
 
@@ -301,7 +302,7 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
 
 
 def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
-    """A load that is believed to be held crosses the gap as identification has it for a known one."""
+    """A load that is believed to be held counts as a known one does in identification."""
     model = model_with(four_axes(), ('backlash',), {'backlash': BOUND['backlash']},
                        {'travel': 0.02})
     load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))

@@ -106,12 +106,13 @@ def refinable(hypothesis):
     return bool(hypothesis.shape) and 'periods' not in hypothesis.shape
 
 
-def reshaped(hypothesis, name, factor, model, residual):
-    """Return the Hypothesis with one of its nonlinear parameters multiplied by a factor."""
-    j = hypothesis.joint
-    shape = {**hypothesis.shape, name: hypothesis.shape[name] * factor}
+def reshaped(hypothesis, factors, model, residual):
+    """Return the Hypothesis with each of its nonlinear parameters multiplied by a factor."""
+    j, shape = hypothesis.joint, {
+        name: value * factor for (name, value), factor in zip(hypothesis.shape.items(), factors)}
     if hypothesis.name == 'presliding_hysteresis':
-        columns = (residual.friction_state(shape[name])[:, j] - residual.x.z[:, j])[:, None]
+        distance = shape['presliding_distance']
+        columns = (residual.friction_state(distance)[:, j] - residual.x.z[:, j])[:, None]
     else:
         columns = EFFECTS[hypothesis.name].columns(residual.x, j, shape)
     return replace(hypothesis, columns={j: columns * hypothesis.scale}, shape=shape)

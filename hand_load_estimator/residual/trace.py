@@ -259,8 +259,11 @@ class Trace:
             return hypothesis, score
         best = hypothesis, score
         for step in (1.25, 1.12, 1.06):
-            for name, factor in product(hypothesis.shape, (1.0 / step, step)):
-                trial = reshaped(best[0], name, factor, self._model, self._residual)
+            # Parameters that make up for one another are found together only.
+            for factors in product((1.0 / step, 1.0, step), repeat=len(hypothesis.shape)):
+                if set(factors) == {1.0}:
+                    continue
+                trial = reshaped(best[0], factors, self._model, self._residual)
                 found = self.blocks.evaluate(trial.columns)
                 if found.gain > best[1].gain:
                     best = trial, found
