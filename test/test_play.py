@@ -65,7 +65,7 @@ def test_play_is_followed_sample_by_sample():
     torque, dt = np.cumsum(rng.normal(size=(200, 2)), axis=0), rng.uniform(0.01, 0.03, 200)
     inertia = rng.uniform(1.0, 2.0, (200, 2))
     whole = play_along(torque, inertia, dt)(np.array([1, 0]), np.array([0.01, 0.02]),
-                                              np.array([0.0, 0.01]))
+                                            np.array([0.0, 0.01]))
     states = [PlayState(), PlayState()]
     parts = [play_along(torque[k:k + 1], inertia[k:k + 1], dt[k:k + 1], states)(
         np.array([1, 0]), np.array([0.01, 0.02]), np.array([0.0, 0.01])) for k in range(200)]

@@ -24,7 +24,7 @@ LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.5
 PART_GAIN = 8.0
 # Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
 # than ACTS nats; there are at least so many of them, and it gains so many nats in all.
-CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 6, 100.0
+CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
 # What has no name must gain so many times more, and move as much torque as the noise.
 UNKNOWN_FACTOR, UNKNOWN_RMS = 4.0, 1.0
 # A declared effect has changed when its torque is so many times what the model expects.
