@@ -13,6 +13,9 @@ import numpy as np
 
 from .effects import EFFECTS, EffectInput
 from .effects.smooth_sign import sign_of
+from .late_load import LateLoad
+from .load import products_from_message
+from .play import PlayState, play_along
 from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_variance
 from .robot import Robot
 from .torque_noise import SampleNoise
@@ -198,7 +201,7 @@ class ColumnLayout:
 
 
 # Inputs of effects that follow from the other columns.
-_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late'})
+_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late', 'play'})
 
 
 def _fill(groups, columns, x):
@@ -206,14 +209,16 @@ def _fill(groups, columns, x):
         columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
 
 
-def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None):
+def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
+                   teeth=(None, 0.0)):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
     between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
     load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
-    what `plain_torque` was at the samples before the first.
+    what `plain_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
+    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
@@ -223,10 +228,11 @@ def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None)
     if layout.needs:
         held = 0.0 if held is None else held
         plain = columns @ mean + held
+        gear = columns[:, :, :layout.links] @ mean[:layout.links] + held
         layout.fill_torque_bound(columns, replace(
-            x, gear=columns[:, :, :layout.links] @ mean[:layout.links] + held,
-            drive=plain, rate=_rate(plain, dt, before),
+            x, gear=gear, drive=plain, rate=_rate(plain, dt, before),
             late=lateness(plain, dt, before),
+            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
             tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
 
@@ -258,6 +264,19 @@ def lateness(torque, dt, before=None):
         return np.stack([np.interp(now - delay, time, column) for delay, column in
                          zip(delays, series.T)], axis=1) - torque
     return late
+
+
+def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
+    """
+    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at q (N, n).
+
+    The links' inertias are the robot file's. teeth: as of torque_columns.
+    """
+    if dt is None:
+        return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
+    inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
+    states, believed = teeth
+    return play_along(gear + believed, inertia, dt, states)
 
 
 def tilt_columns(robot, q, mean):
@@ -315,7 +334,11 @@ class ModelFollower:
         self._friction = model.friction_level()
         self._uncertain = uncertain_directions(model, directions, seed)
         self._noise = SampleNoise(model.residuals.rmse)
-        self._known = self._drift = self._before = None
+        self._known = self._drift = None
+        self._carried = np.zeros(10)
+        self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
+                                    for use, where in model.slices() if use.name == 'time_delay'})
+        self._forget_torques()
 
     @property
     def uncertainties(self):
@@ -326,14 +349,30 @@ class ModelFollower:
         """Forget the path, as after a gap in the data."""
         self._path.restart()
         self._noise.restart()
+        self._forget_torques()
+
+    def _forget_torques(self):
         self._before = None
+        self._late_load.restart()
+        self._teeth = [PlayState() for _ in self.model.robot.joints]
+
+    def carry(self, belief, method):
+        """Take a Method's Belief of the load: its torque too decides when teeth part."""
+        if 'play' in self.model.layout.needs:
+            self._carried = products_from_message(belief.mean) + method.tared
+
+    def _believed(self, x):
+        """Return the torque (n,) [Nm] of what is believed to be held."""
+        if not self._carried.any():
+            return 0.0
+        return self.model.load_regressor(x.q[0], x.v[0], x.a[0]) @ self._carried
 
     def _columns(self, x, dt):
         model = self.model
         if not model.layout.needs:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
-                                 before=self._before)
+                                 before=self._before, teeth=(self._teeth, self._believed(x)))
         self._remember(model.layout.plain_torque(columns, model.mean), dt)
         return columns
 
@@ -362,7 +401,8 @@ class ModelFollower:
         density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load = load_through_effects(self.model, columns[0], load, sample)
+            load = load_through_effects(self.model, columns[0], load, sample) \
+                + self._late_load.change(load, sample.dt)
         return Prediction(difference, load,
                           nuisances, z, doubt, stuck, density)
 
@@ -376,8 +416,7 @@ def load_through_effects(model, columns, load, sample):
     Return K (n, 10) of a load as effects that depend on torques let it through.
 
     columns Y (n, P) and load K (n, 10) at a MotionSample. A wrong gain scales the load's torque
-    too, friction grows with it, a leaning base turns its weight. What a delay does to it is left
-    out: it is the rate of the load's torque times the delay.
+    too, friction grows with it, a leaning base turns its weight. LateLoad adds what a delay does.
     """
     robot, gain = model.robot, np.ones(model.robot.n)
     direction = np.sign(columns[:, :10 * robot.n] @ model.mean[:10 * robot.n])

@@ -13,9 +13,10 @@ from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import Hypothesis
-from hand_load_estimator.residual.trace import Candidate, Trace
+from hand_load_estimator.residual.trace import Candidate, significant, Trace
 from hand_load_estimator.torque_model import (ColumnLayout, motion_input, presliding_distances,
-                                              Residuals, torque_columns, TorqueModel)
+                                              play_columns, Residuals, torque_columns,
+                                              TorqueModel)
 
 DT = 0.02
 RUNS, SECONDS = 4, 16.0
@@ -115,6 +116,13 @@ def viscous(run):
 def late(run):
     """Effort of one sample ago, on all joints."""
     return np.concatenate([run.torque[:1], run.torque[:-1]]) - run.torque
+
+
+def play(run):
+    """Every gear with a gap of 4 mrad."""
+    gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
+    return play_columns(run.robot, run.x.q, gear, run.motion.dt)(
+        np.arange(4), np.full(4, 0.004), np.full(4, 0.01))
 
 
 def leaning(run):
@@ -230,6 +238,25 @@ def test_effort_that_comes_late_is_one_finding():
     for mean, std in delays:
         assert abs(mean - DT) < 4.0 * std and std < 0.5 * DT
     assert (diagnosis.after < diagnosis.before).all()
+
+
+def test_play_is_found_with_its_gap():
+    diagnosis, _ = diagnosed(on(1, 2.0, play))
+    found = assert_only(diagnosis, 'backlash', [1])
+    assert found.parameters['travel'][0] == pytest.approx(0.004, rel=0.1)
+    assert_repaired(diagnosis, 1)
+
+
+@pytest.mark.parametrize('gains, sure', [
+    ([50.0] * 4, True), ([50.0] * 3, False), ([20.0] * 4, False),
+    ([200.0] * 6 + [-20.0] * 3, False), ([20.0, 200.0] * 4 + [-5.0], True)])
+def test_what_gains_wherever_it_acts_is_sure(gains, sure):
+    """Rare but steady: crossings of a gap in a few of 60 blocks; chance loses as often."""
+    by_block = np.zeros(60)
+    by_block[:len(gains)] = gains
+    std = float(np.sqrt(60) * by_block.std())
+    assert significant(Candidate('backlash', (), float(by_block.sum()), 10.0 * std,
+                                 by_block)) is sure
 
 
 def test_a_leaning_base_is_one_finding():

@@ -42,6 +42,8 @@ class Contestant:
             sample = replace(sample, temperature=np.full_like(sample.temperature, np.nan))
         prediction = self._follower.update(sample) if self._follower else None
         belief = self.method.update(sample, prediction)
+        if self._follower:
+            self._follower.carry(belief, self.method)
         self.seconds += time.perf_counter() - began
         return belief
 

@@ -1,18 +1,16 @@
 """Play in the gear."""
 
-import numpy as np
-
 from .effect import Effect, Shape
 
 
 def _columns(x, j, shape):
-    gear = x.gear[:, j]
-    near = np.exp(-(gear / shape['width']) ** 2)
-    return np.stack([-near * gear, near * x.rate[:, j]], axis=-1)
+    return x.play(j, shape['travel'], shape['lag'])[..., None]
 
 
 BACKLASH = Effect(
-    'backlash', 'play: while the torque of the gear changes sign the teeth carry nothing',
-    'Nordin and Gutman 2002', (('loss', '-'), ('lag', 's')), (1.0, 0.05), _columns,
-    (Shape('width', 'Nm', 2.0, (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)),), against='gear torque',
-    needs=frozenset({'gear', 'rate'}), absolute=True, positive=(0,))
+    'backlash', 'play: when the torque of the gear changes sign the teeth part, and meet again '
+    'with an impact', 'Nordin and Gutman 2002', (('share', '-'),), (1.0,), _columns,
+    (Shape('travel', 'rad', 1e-3, (1e-4, 1.8e-4, 3.2e-4, 5.8e-4, 1.05e-3, 1.9e-3, 3.4e-3, 6.1e-3,
+                                   0.011, 0.02, 0.036)),
+     Shape('lag', 's', 0.01, (0.004, 0.02))),
+    against='gear torque', needs=frozenset({'play'}), absolute=True, positive=(0,))

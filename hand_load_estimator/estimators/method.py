@@ -6,7 +6,6 @@ from typing import Protocol
 import numpy as np
 
 
-
 @dataclass(frozen=True)
 class Belief:
     """What a method believes: mean (10,) and covariance (10, 10) in message order."""

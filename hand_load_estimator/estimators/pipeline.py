@@ -81,6 +81,7 @@ class Pipeline:
         self.residual = prediction.difference
         self._began = self._began or self._moves(sample)
         belief = self.method.update(sample, prediction)
+        self._follower.carry(belief, self.method)
         self._unwatched = sample, prediction
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate

@@ -7,8 +7,8 @@ import numpy as np
 from ..effects import EFFECTS, EffectInput
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
-from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, tilt_columns,
-                            torque_columns, uncertain_directions)
+from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, play_columns,
+                            tilt_columns, torque_columns, uncertain_directions)
 from .blocks import Blocks
 
 # Blocks [s] outlast what colours the residual, and recordings give a good number of them.
@@ -107,10 +107,12 @@ def find_residual(model, evidence, cut=True):
 
 def _joined_input(parts):
     names = [name for name in EffectInput.__dataclass_fields__
-             if name != 'late' and getattr(parts[0], name) is not None]
+             if name not in ('late', 'play') and getattr(parts[0], name) is not None]
     late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
+    play = parts[0].play and (lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
     return EffectInput(**{name: np.concatenate([getattr(p, name) for p in parts])
-                          for name in names}, late=late)
+                          for name in names}, late=late,
+                       play=play)
 
 
 def _expected(model, columns, x):
@@ -162,8 +164,9 @@ def _complete(model, x, columns, dt, held):
     held = 0.0 if held is None else held
     predicted = columns @ model.mean + held
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
-    return replace(x, gear=columns[:, :, :10 * n] @ model.mean[:10 * n] + held, drive=predicted,
-                   rate=rate, late=lateness(predicted, dt),
+    gear = columns[:, :, :10 * n] @ model.mean[:10 * n] + held
+    return replace(x, gear=gear, drive=predicted, rate=rate, late=lateness(predicted, dt),
+                   play=play_columns(robot, x.q, gear, dt),
                    tilt=tilt_columns(robot, x.q, model.mean))
 
 

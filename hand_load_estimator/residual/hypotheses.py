@@ -1,6 +1,7 @@
 """The hypotheses of one round: every effect on every joint, and plain functions."""
 
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -85,7 +86,9 @@ def _shapes(effect, residual, blocks, j):
         values, count = likely_periods(residual.x.q[:, j], residual.x.v[:, j],
                                        blocks.left_over(j), residual.weights[:, j])
         return [({name: float(value)}, count // len(values)) for value in values]
-    return [({name: float(value)}, 1) for value in effect.shapes[0].grid]
+    names = [shape.name for shape in effect.shapes]
+    return [(dict(zip(names, map(float, values))), 1)
+            for values in product(*(shape.grid for shape in effect.shapes))]
 
 
 def _presliding(model, residual, j, scale):
@@ -100,16 +103,17 @@ def _presliding(model, residual, j, scale):
 
 
 def refinable(hypothesis):
-    """Tell whether a Hypothesis has a nonlinear parameter that a grid was tried for."""
+    """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
     return bool(hypothesis.shape) and 'periods' not in hypothesis.shape
 
 
-def reshaped(hypothesis, factor, model, residual):
-    """Return the Hypothesis with its nonlinear parameter multiplied by a factor."""
-    j, (name, value) = hypothesis.joint, next(iter(hypothesis.shape.items()))
-    shape = {name: value * factor}
+def reshaped(hypothesis, factors, model, residual):
+    """Return the Hypothesis with each of its nonlinear parameters multiplied by a factor."""
+    j, shape = hypothesis.joint, {
+        name: value * factor for (name, value), factor in zip(hypothesis.shape.items(), factors)}
     if hypothesis.name == 'presliding_hysteresis':
-        columns = (residual.friction_state(value * factor)[:, j] - residual.x.z[:, j])[:, None]
+        distance = shape['presliding_distance']
+        columns = (residual.friction_state(distance)[:, j] - residual.x.z[:, j])[:, None]
     else:
         columns = EFFECTS[hypothesis.name].columns(residual.x, j, shape)
     return replace(hypothesis, columns={j: columns * hypothesis.scale}, shape=shape)

@@ -42,5 +42,6 @@ def estimate(model, recording):
         if sample.fresh:
             follower.restart()
         else:
-            method.update(sample, follower.update(sample))
+            belief = method.update(sample, follower.update(sample))
+            follower.carry(belief, method)
     return method.belief().mean

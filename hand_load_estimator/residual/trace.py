@@ -8,6 +8,7 @@ than any effect is taken as `unknown`.
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -21,8 +22,9 @@ ROUNDS = 10
 LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.5
 # What one joint must gain to count as showing a cause of the whole arm.
 PART_GAIN = 8.0
-# Or it gains in this share of the blocks, and so many nats in all.
-CONSISTENT, PLENTY = 0.8, 100.0
+# Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
+# than ACTS nats; there are at least so many of them, and it gains so many nats in all.
+CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
 # What has no name must gain so many times more, and move as much torque as the noise.
 UNKNOWN_FACTOR, UNKNOWN_RMS = 4.0, 1.0
 # A declared effect has changed when its torque is so many times what the model expects.
@@ -253,13 +255,16 @@ class Trace:
         self.trials = max(self.trials, tried)
 
     def _refined(self, hypothesis, score):
-        """Return the pair with its nonlinear parameter searched between the grid's values."""
+        """Return the pair with its nonlinear parameters searched between the grid's values."""
         if score.gain < LEAST_GAIN or not refinable(hypothesis):
             return hypothesis, score
         best = hypothesis, score
         for step in (1.25, 1.12, 1.06):
-            for factor in (1.0 / step, step):
-                trial = reshaped(best[0], factor, self._model, self._residual)
+            # Parameters that make up for one another are found together only.
+            for factors in product((1.0 / step, 1.0, step), repeat=len(hypothesis.shape)):
+                if set(factors) == {1.0}:
+                    continue
+                trial = reshaped(best[0], factors, self._model, self._residual)
                 found = self.blocks.evaluate(trial.columns)
                 if found.gain > best[1].gain:
                     best = trial, found
@@ -276,13 +281,15 @@ class Trace:
 
 def significant(candidate):
     """
-    Tell whether a gain is more than chance: by its standard error, or in nearly every block.
+    Tell whether a gain is more than chance: by its standard error, or nearly wherever it acts.
 
-    An effect that only warm recordings show gains very unequally and still surely.
+    An effect that only warm recordings show, or play that only a few poses cross, gains very
+    unequally and still surely.
     """
     plain = candidate.gain > SIGMAS * candidate.std
-    nearly_always = (candidate.by_block > 0.0).mean() > CONSISTENT
-    return plain or (nearly_always and candidate.gain > PLENTY)
+    acting = candidate.by_block[np.abs(candidate.by_block) > ACTS]
+    nearly_always = len(acting) >= FEWEST and (acting > 0.0).mean() > CONSISTENT
+    return bool(plain or (nearly_always and candidate.gain > PLENTY))
 
 
 def _joined(name, parts):

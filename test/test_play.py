@@ -1,0 +1,74 @@
+"""Play: the motor is spared a torque and gets it back with the impact."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.play import FILTER_DELAY, play_along, PlayState
+
+DT, INERTIA = 0.02, 4.0
+FINE = 0.004  # [s] sums over samples are integrals there
+
+
+def added(torque, travel, dt=DT):
+    """Return the torque (N,) [Nm] that play adds along torque (N,) [Nm]."""
+    column, steps = np.asarray(torque, dtype=float)[:, None], np.full(len(torque), dt)
+    return play_along(column, np.full_like(column, INERTIA), steps)(0, travel, 0.0)
+
+
+def test_a_gear_loaded_to_one_side_shows_no_play():
+    t = np.arange(0.0, 6.0, DT)
+    assert not added(20.0 + 15.0 * np.sin(5.0 * t), 0.01).any()
+    assert not added(-20.0 + 15.0 * np.sin(5.0 * t), 0.01).any()
+
+
+def test_a_crossing_gives_back_what_it_spared():
+    """The link's momentum at the impact is all the torque that the drive did not carry."""
+    torque = 30.0 * np.clip(np.arange(-1.0, 2.0, FINE), -0.5, 0.5)
+    felt = added(torque, 0.01, FINE)
+    assert felt.min() < -1.0 and felt.max() > 3.0
+    assert abs(felt.sum()) < 0.002 * np.abs(felt).sum()
+
+
+@pytest.mark.parametrize('travel', [0.002, 0.02])
+@pytest.mark.parametrize('slope', [15.0, -60.0])
+def test_the_link_flies_through_the_gap_by_itself(travel, slope):
+    """Under a torque that grows with time, travel = slope t^3 / (6 inertia)."""
+    t = np.arange(-1.0, 2.0, FINE)
+    felt = added(slope * t, travel, FINE) * np.sign(slope)
+    flight = (6.0 * INERTIA * travel / abs(slope)) ** (1.0 / 3.0)
+    # The impact returns at one moment what was spared in the mean at two thirds of the flight:
+    # the first moment of the two is impulse x flight / 3.
+    impulse = 0.5 * abs(slope) * flight ** 2
+    assert (t @ felt) * FINE == pytest.approx(impulse * flight / 3.0, rel=0.05)
+
+
+def test_the_filter_does_not_make_it_later():
+    """Torque and effort pass one filter: its delay shows once, not twice."""
+    slope, travel = 40.0, 0.01
+    torque = slope * (np.arange(0.0, 3.0, DT) - 1.0 - FILTER_DELAY)
+    felt, t = added(torque, travel), np.arange(0.0, 3.0, DT)
+    flight = (6.0 * INERTIA * travel / slope) ** (1.0 / 3.0)
+    # A spike filtered by three stages of time constant T peaks 2 T after it.
+    assert t[np.argmax(felt)] == pytest.approx(1.0 + flight + 2.0 * FILTER_DELAY / 3.0, abs=DT)
+
+
+def test_teeth_that_lag_part_late():
+    torque, lag = 40.0 * (np.arange(0.0, 3.0, FINE) - 1.0), 5 * FINE
+    column, steps = torque[:, None], np.full(len(torque), FINE)
+    prompt, late = (play_along(column, np.full_like(column, INERTIA), steps)(0, 0.01, by)
+                    for by in (0.0, lag))
+    np.testing.assert_allclose(late[5:], prompt[:-5], atol=0.02 * prompt.max())
+
+
+def test_play_is_followed_sample_by_sample():
+    rng = np.random.default_rng(0)
+    torque, dt = np.cumsum(rng.normal(size=(200, 2)), axis=0), rng.uniform(0.01, 0.03, 200)
+    inertia = rng.uniform(1.0, 2.0, (200, 2))
+    whole = play_along(torque, inertia, dt)(np.array([1, 0]), np.array([0.01, 0.02]),
+                                            np.array([0.0, 0.01]))
+    states = [PlayState(), PlayState()]
+    parts = [play_along(torque[k:k + 1], inertia[k:k + 1], dt[k:k + 1], states)(
+        np.array([1, 0]), np.array([0.01, 0.02]), np.array([0.0, 0.01])) for k in range(200)]
+    assert whole.shape == (200, 2) and np.abs(whole).max() > 0.1
+    np.testing.assert_allclose(np.concatenate(parts), whole)
+
