@@ -11,8 +11,11 @@ from .usual import Usual
 # Nats to be gained beyond the logarithm of the intervals tried.
 LEAST_EVIDENCE = 25.0
 MOST, MOST_REFUSED = 12, 2
-# A cause must explain this share of what a free step of every joint does in the same time.
+# A cause must explain this share of the residual in its time, and of what a free step of every
+# joint does.
 EXPLAINED = 0.6
+# A disturbance has so many times the evidence of the best of what is left beside it.
+STANDS_OUT = 3.0
 # Two causes this close [nats] are not told apart.
 TIE = 5.0
 # Rise of a push and the filter's memory [s]: rows so near an edge belong to neither side.
@@ -41,7 +44,8 @@ class Disturbance:
 
     theta in physical units; start, end: (time, std) [s] from the recording's first sample, None
     where it lasts from the start or to the end; evidence, needed [nats]; tried: intervals;
-    rival, margin [nats]: the next best explanation of the same time.
+    rival, margin [nats]: the next best explanation of the same time; explained (n,): share of each
+    joint's residual in that time.
     """
 
     cause: Cause
@@ -57,6 +61,7 @@ class Disturbance:
     tried: int
     rival: str | None
     margin: float | None
+    explained: np.ndarray | None = None
 
 
 class Disturbances:
@@ -191,17 +196,41 @@ class Disturbances:
                            rival and rival[0].kind.name, rival and evidence - rival[3])
 
     def _sure(self, found):
-        """Return the Disturbances that beat what is left when all are left out, widened by it."""
+        """Return the Disturbances that stand out of what is left when all are left out."""
         self._leave_out([(d.first, d.stop) for d in found])
-        searches, sure = self._searches(), []
+        searches = self._searches()
+        # Where bursts as strong are left, something goes on all the time.
+        others = max((self._left_in(search) for search in searches.values()), default=0.0)
+        out = []
         for one in found:
             search = searches[one.cause.kind.name]
             # A push also changes what friction holds, which no quiet time shows: never below one.
             excess = max(search.excess(self._seconds(one.first, one.stop)), 1.0)
-            if one.evidence > excess * one.needed:
-                sure.append(replace(one, covariance=excess * one.covariance,
-                                    evidence=one.evidence / excess))
-        return sure
+            explained, share = self._share(one)
+            if one.evidence > max(excess * one.needed, STANDS_OUT * others) \
+                    and share > EXPLAINED and self._plausible(one, excess):
+                out.append(replace(one, covariance=excess * one.covariance,
+                                   evidence=one.evidence / excess, explained=explained))
+        return out
+
+    def _left_in(self, search):
+        interval = search.best()
+        return fit(self._usual, search.kind, *interval[1:])[0] if interval else 0.0
+
+    def _plausible(self, one, excess):
+        return self._seconds(one.first, one.stop) > 0.9 * one.cause.kind.shortest \
+            and one.cause.possible(one.theta, excess * one.covariance, one.owner)
+
+    def _share(self, one):
+        """Return the share of each joint's residual (n,) that a Disturbance explains, of all's."""
+        inner = int(round(LEFT_OUT / self._dt))
+        rows = slice(one.first + inner, max(one.stop - inner, one.first + inner + 1))
+        torque = one.cause.kind.columns[rows] @ (one.theta / one.cause.kind.scale)
+        weights, rest = self._residual.weights[rows], self._usual.rest[rows]
+        whole = (weights * rest ** 2).sum(axis=0)
+        left = (weights * (rest - torque) ** 2).sum(axis=0)
+        return (np.clip(1.0 - left / np.maximum(whole, 1e-12), 0.0, 1.0),
+                1.0 - left.sum() / max(whole.sum(), 1e-12))
 
     def _edge(self, kind, rows, first, stop, at_first):
         """Return the likeliest row of an edge and its standard deviation [s]."""

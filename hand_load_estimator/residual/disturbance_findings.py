@@ -38,12 +38,10 @@ def _finding(robot, names, residual, one, odd):
     strong = np.flatnonzero(rms > SHARE * rms.max())
     tied = one.margin is not None and one.margin < TIE
     sure = not set(strong) & set(odd)
-    whole = np.maximum((residual.residual[rows] ** 2).mean(axis=0), 1e-12)
-    explained = 1.0 - ((residual.residual[rows] - torque) ** 2).mean(axis=0) / whole
     order = strong[np.argsort(-rms[strong])]
     return Finding(
         kind.name, tuple(robot.joints[j] for j in strong), parameters,
-        np.clip(explained, 0.0, 1.0),
+        one.explained,
         # It happens once: there is nothing else to test it on.
         Evidence(one.evidence, np.nan, one.needed, 1, one.tried, float(rms.max()), one.rival,
                  one.margin),
