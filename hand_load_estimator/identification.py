@@ -7,12 +7,13 @@ data may be off and how large an effect may be, and W is the inverse spectral de
 residual, so that coloured residuals do not pass for knowledge.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
+from .load import LoadParameters
 from .presliding import stuck_density
 from .torque_model import (ColumnLayout, EffectUse, Residuals, TorqueModel, effect_slices,
                            motion_input, parameter_count, presliding_distances, real_torque,
@@ -33,13 +34,15 @@ class Evidence:
     """
     One recording made ready: name, Motion, torque less the known load's (N, n) [Nm].
 
-    held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None.
+    held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None;
+    load: LoadParameters declared.
     """
 
     name: str
     motion: object
     torque: np.ndarray
     held: np.ndarray | None = None
+    load: LoadParameters = field(default_factory=LoadParameters)
 
 
 def prepare(robot, name, motion, load):
@@ -52,7 +55,7 @@ def prepare(robot, name, motion, load):
     products = load.to_products()
     held = np.array([robot.load_regressor(q, v, a) @ products
                      for q, v, a in zip(motion.q, motion.v, motion.a)])
-    return Evidence(name, motion, torque - held, held)
+    return Evidence(name, motion, torque - held, held, load)
 
 
 def prior(robot, uses, links_declared):

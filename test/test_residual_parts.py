@@ -1,4 +1,4 @@
-"""Parts of the residual loop: ripple periods, limits, contacts, plain functions, the new model."""
+"""Parts of the residual loop: ripple periods, limits, plain functions, the new model."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -15,7 +15,6 @@ from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.blocks import Blocks
 from hand_load_estimator.residual.confusable import advice, PAIRS, partners
-from hand_load_estimator.residual.contact import contacts_in
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
@@ -181,7 +180,7 @@ def test_a_joint_at_rest_is_not_at_its_limit():
     assert not rows.any() and not sentences
 
 
-# Plain functions, pairs, contacts, rhythms.
+# Plain functions, pairs, rhythms.
 
 def test_hats_make_any_smooth_function():
     values = np.random.default_rng(0).normal(size=2000)
@@ -204,37 +203,6 @@ def test_pairs_of_the_design_are_known_with_a_motion():
         assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
     assert advice('torque_ripple', []) == '' and advice('coulomb_friction', ['base_tilt']) == ''
     assert all(len(pair) == 2 for pair in PAIRS)
-
-
-def pushed(force, first, count):
-    """Return Evidence of all runs; in the first one a force [N] in base axes pushes the hand."""
-    evidence, *others = recorded()
-    robot = declared_model().robot
-    torque = evidence.torque.copy()
-    for k in range(first, first + count):
-        torque[k] -= robot.hand_jacobian(evidence.motion.q[k]).T @ force
-    return [replace(evidence, torque=torque), *others]
-
-
-def test_a_push_is_a_contact_with_its_force_and_time():
-    model, force = declared_model(), np.array([12.0, -9.0, 15.0])
-    residual = find_residual(model, pushed(force, 300, 40))
-    rows, found = contacts_in(model.robot, residual, residual.residual, 100)
-    assert len(found) == 1 and found[0].name == 'external_contact'
-    parameters = found[0].parameters
-    for k, axis in enumerate('xyz'):
-        mean, std, unit = parameters[f'force_{axis}']
-        assert abs(mean - force[k]) < 0.3 * np.linalg.norm(force) and std < 3.0 and unit == 'N'
-    assert parameters['start'][0] == pytest.approx(6.0, abs=0.25)
-    assert parameters['duration'][0] == pytest.approx(0.8, abs=0.3)
-    assert rows[305:335].all() and not rows[:270].any() and not rows[370:].any()
-
-
-def test_no_contact_where_none_is():
-    model = declared_model()
-    for always in (recorded(), pushed(np.array([5.0, 5.0, 5.0]), 0, 800)):
-        residual = find_residual(model, always)
-        assert contacts_in(model.robot, residual, residual.residual, 100)[1] == ()
 
 
 def test_the_rhythm_of_what_is_left():

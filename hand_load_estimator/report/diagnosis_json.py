@@ -33,7 +33,7 @@ def _effect(finding):
             'evidence': _evidence(finding.evidence),
             'alternatives': list(finding.alternatives), 'verdict': finding.verdict,
             'advice': finding.advice, 'changed': bool(finding.changed),
-            'variables': list(finding.variables)}
+            'variables': list(finding.variables), 'recording': finding.recording or None}
 
 
 def _one_load_error(error):

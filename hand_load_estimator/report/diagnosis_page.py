@@ -59,8 +59,10 @@ _PHYSICS = {
              'it repeats with the variables shown below. A person who knows the drive should '
              'look at the picture before anything is added to the model.',
     'link_inertia': 'Mass, centre of mass or inertia of a link differ from the model\'s.',
-    'external_contact': 'Something outside pushed the arm for a limited time.',
-    'load_change': 'The load on the hand changed during a recording.'}
+    'external_contact': 'Something outside pushed the hand for a limited time, with one force in '
+                        'the axes of the base.',
+    'load_change': 'For a time another load hung on the hand than the recording declares. The mass '
+                   'is the change: negative where the declared load, or a part of it, was gone.'}
 
 
 def _figure(number):
@@ -253,6 +255,9 @@ def _physics(finding):
         text = escape(_PHYSICS.get(finding.name, ''))
     if finding.changed:
         text += ' The model had this effect already; the figures below replace its former ones.'
+    if finding.recording:
+        text += (f' It happened in <strong>{escape(finding.recording)}</strong>; times count from '
+                 'its first sample. Those samples are left out of everything else in this report.')
     if finding.variables:
         text += f' It depends on {escape(_list(finding.variables))}.'
     return f'<p>{text}</p>' if text else ''
@@ -270,6 +275,20 @@ def _pictures(finding):
     return f'<div class="pictures">{"".join(images)}</div>' if images else ''
 
 
+def _gain(finding):
+    """Return why a finding is believed, in nats."""
+    e = finding.evidence
+    if finding.recording:
+        return (f'The samples of that time are more likely with it by <strong>{_figure(e.gain)} '
+                f'nats</strong>, all that the arm usually does fitted beside it. Needed: '
+                f'{_figure(e.needed)} nats, with {e.hypotheses} intervals tried.')
+    return (
+        f'On data not used for its fit the model with it gains <strong>{_figure(e.gain)} ± '
+        f'{_figure(2.0 * e.gain_std)} nats</strong> of log-likelihood (± 2 standard errors over '
+        f'{e.blocks} blocks). Needed: {_figure(e.needed)} nats, with {e.hypotheses} hypotheses '
+        'tried.')
+
+
 def _evidence(finding, joints):
     e = finding.evidence
     shares = [f'{_share(s)} at {_label(name)}' for name, s in zip(joints, finding.explained)
@@ -279,10 +298,7 @@ def _evidence(finding, joints):
         behind = f', {_figure(e.margin)} nats behind' if e.margin is not None else ''
         rival = f'Next best explanation: {escape(_name(e.next_best))}{behind}.'
     return '<h3>Evidence</h3>' + _list_of([
-        f'On data not used for its fit the model with it gains <strong>{_figure(e.gain)} ± '
-        f'{_figure(2.0 * e.gain_std)} nats</strong> of log-likelihood (± 2 standard errors over '
-        f'{e.blocks} blocks). Needed: {_figure(e.needed)} nats, with {e.hypotheses} hypotheses '
-        'tried.', rival,
+        _gain(finding), rival,
         f'Share of the residual\'s variance it explains: {_list(shares)}. '
         f'Its torque: {_figure(e.rms)} Nm RMS at the strongest joint.'])
 

@@ -5,16 +5,18 @@ import time
 
 import numpy as np
 
-from ..identification import Evidence as Recorded, prior
-from ..motion import Motion
+from ..identification import prior
 from .add import better_model, made_from
 from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
-from .contact import contacts_in
+from .contact import contact
+from .disturbance import Disturbances, undisturbed
+from .disturbance_findings import disturbance_findings
 from .find import find_residual, noise_floor
 from .findings import findings_of
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      warmed_joints)
+from .load_change import load_change
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
@@ -33,73 +35,80 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     refuse_another_robot(model, test)
     tested_on = ', '.join(e.name for e in test)
     kept = not test
+    refuse_the_useless(model, evidence)
+    progress('looking for contacts and changes of the load')
+    whole, _, _ = _residual(model, evidence)
+    outside = _outside(model, evidence, whole)
+    names = tuple(e.name for e in evidence)
+    evidence, test = _parts(evidence, whole, outside, test)
     if kept:
-        evidence, test = zip(*(_split(e) for e in evidence))
         tested_on = 'the last quarter of every recording'
     refuse_the_useless(model, evidence)
     warmed, sentences = warmed_joints(model, evidence)
-    still = still_joints(model, evidence)
-    saturated, limited = saturated_rows(model, evidence)
     progress('computing the residual')
-    residual = find_residual(model, evidence)
-    weights = np.where(saturated, 0.0, residual.weights)
-    weights[:, list(still)] = 0.0
-    residual = replace(residual, weights=weights)
+    residual, still, limited = _residual(model, evidence)
     own = made_from(model, evidence)
-    trace, rest, events, contacts = _traced(model, residual, warmed, own, progress)
+    trace, rest = _traced(model, residual, warmed, own, progress)
     progress('estimating everything together')
-    better = better_model(model, trace.steps, evidence) if trace.steps else model
+    # A model made from these recordings took what acted from outside for the arm's own.
+    again = trace.steps or own and outside.found
+    better = better_model(model, trace.steps, evidence) if again else model
     # A model made from these recordings has seen what is now kept for the test.
     old = better_model(model, (), evidence) if own and kept else model
-    before, after, floor = _errors(old, better if trace.steps else old, test)
-    left = unexplained_joints(model, residual, rest, events)
+    before, after, floor = _errors(old, better if again else old, test)
+    left = unexplained_joints(model, residual, rest)
     odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
                        for j in step.chosen.joints)
-    # Bursts of what goes on all the time are no contacts.
-    contacts = () if odd else contacts
     findings = findings_of(model, better, residual, trace, odd) \
-        + contacts + unknown_left(model, residual, rest, left, trace)
+        + disturbance_findings(model.robot, names, whole, outside.found, odd) \
+        + unknown_left(model, residual, rest, left, trace)
     cannot = [*sentences, *still.values(), *limited]
     correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
-        _unexplained(after, floor), tuple(cannot), recordings=tuple(e.name for e in evidence),
+        _unexplained(after, floor), tuple(cannot), recordings=names,
         tested_on=tested_on, seconds=time.monotonic() - began,
         remains=_remains(model.robot, after, floor)), correction), better
 
 
+def _residual(model, evidence):
+    """Return (Residual of usable rows, {joint index: why it tells nothing}, sentences)."""
+    still = still_joints(model, evidence)
+    saturated, limited = saturated_rows(model, evidence)
+    residual = find_residual(model, evidence)
+    weights = np.where(saturated, 0.0, residual.weights)
+    weights[:, list(still)] = 0.0
+    return replace(residual, weights=weights), still, limited
+
+
+def _outside(model, evidence, residual):
+    """Return the Disturbances of whole recordings."""
+    loads = tuple(e.load for e in evidence)
+    return Disturbances(model, residual, (contact(model.robot, residual),
+                                          load_change(model.robot, residual, loads)))
+
+
+def _parts(evidence, residual, outside, test):
+    """Return (Evidence to fit, Evidence to test on) without what acted from outside."""
+    rows = [outside.rows[residual.owner == k] for k in range(len(evidence))]
+    last = 1.0 if test else 1.0 - TEST_SHARE
+
+    def parts(share):
+        return tuple(part for e, r in zip(evidence, rows) for part in undisturbed(e, r, share))
+    return parts((0.0, last)), tuple(test) or parts((last, 1.0))
+
+
 def _traced(model, residual, warmed, own, progress):
-    """Return (Trace, what is left (N, n), rows of contacts, Findings on them)."""
-    root = _root(model) if own else None
-    for _ in range(2):
-        trace = Trace(model, residual, warmed, root, progress)
-        trace.run()
-        trace.keep_what_still_gains()
-        rest = left_over(model, residual, trace.blocks)
-        events, contacts = contacts_in(model.robot, residual, rest, trace.trials)
-        if not (contacts and trace.steps):
-            break
-        # A contact must not pass for an effect of the arm: once more without it.
-        residual = replace(residual, weights=np.where(events[:, None], 0.0, residual.weights))
-    return trace, rest, events, contacts
+    """Return (Trace, what is left (N, n))."""
+    trace = Trace(model, residual, warmed, _root(model) if own else None, progress)
+    trace.run()
+    trace.keep_what_still_gains()
+    return trace, left_over(model, residual, trace.blocks)
 
 
 def _root(model):
     """Return the square root (P, P) of what parameters may be before any recording."""
     return np.sqrt(prior(model.robot, model.uses, model.links_declared)[1])
-
-
-def _split(recorded):
-    """Return (fitting part, test part) of one Evidence."""
-    motion = recorded.motion
-    at = int((1.0 - TEST_SHARE) * len(motion.stamp))
-
-    def part(rows):
-        return Recorded(recorded.name, Motion(*(getattr(motion, name)[rows] for name in
-                                                Motion.__dataclass_fields__)),
-                        recorded.torque[rows],
-                        None if recorded.held is None else recorded.held[rows])
-    return part(slice(0, at)), part(slice(at, None))
 
 
 def _errors(model, better, test):

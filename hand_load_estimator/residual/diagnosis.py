@@ -57,7 +57,9 @@ class Finding:
     With several joints the parameters' names end in ` (joint)`. explained (n,): share of each
     joint's residual variance; alternatives: effects these recordings cannot tell from it; advice:
     the motion that would, or an empty string; changed: the model had it already, with other
-    figures; verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on.
+    figures; verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on;
+    recording: the one in which it happened, times counting from its first sample and explained
+    being the share of that time; empty for what is always there.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Finding:
     verdict: str
     pictures: tuple = ()
     variables: tuple = ()
+    recording: str = ''
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,13 @@ def _rms(values, rows):
     return np.sqrt(np.where(rows, values ** 2, 0.0).sum(axis=0) / count)
 
 
-def unexplained_joints(model, residual, rest, events):
+def unexplained_joints(model, residual, rest):
     """
     Return the indices of joints whose residual stays structured after everything found.
 
-    rest (N, n) [Nm]; events (N,) bool: rows of contacts, which are no matter of the model.
+    rest (N, n) [Nm].
     """
-    rows = residual.moving & ~events[:, None] & (residual.weights > 0.0)
+    rows = residual.moving & (residual.weights > 0.0)
     noise = residual.noise
     first, last = (np.sqrt(np.maximum(_rms(values, rows) ** 2 - noise ** 2, 0.0))
                    for values in (residual.residual, rest))

@@ -1,0 +1,72 @@
+"""What acted from outside, in the words, numbers and pictures of a Diagnosis."""
+
+import numpy as np
+
+from . import contact, load_change
+from .diagnosis import CONFIRMED, SUSPECTED, Evidence, Finding, Picture
+from .disturbance import TIE
+
+PARAMETERS = {contact.NAME: contact.contact_parameters, load_change.NAME: load_change.load_parameters}
+ADVICE = {contact.NAME: 'hold the same while the hand turns and speeds up: a force from outside '
+                        'does not turn with the hand and has no inertia',
+          load_change.NAME: 'hold the same while the hand turns and speeds up: a load turns with '
+                            'the hand and resists acceleration'}
+# Joints that carry this share of the strongest joint's torque are named.
+SHARE = 0.3
+AROUND = 3.0             # [s] drawn before and after
+POINTS, MOST_PICTURES = 60, 2
+
+
+def disturbance_findings(robot, names, residual, found, odd=()):
+    """
+    Return the Findings on Disturbances.
+
+    names: of the recordings; odd: joints with something unknown that goes on all the time, of
+    which a disturbance may be a part.
+    """
+    return tuple(_finding(robot, names, residual, one, odd) for one in found)
+
+
+def _finding(robot, names, residual, one, odd):
+    rows = slice(one.first, one.stop)
+    kind = one.cause.kind
+    torque = kind.columns[rows] @ (one.theta / kind.scale)
+    rms = np.sqrt((torque ** 2).mean(axis=0))
+    parameters = PARAMETERS[kind.name](one)
+    parameters |= {name: (*moment, 's') for name, moment in
+                   (('start', one.start), ('end', one.end)) if moment is not None}
+    strong = np.flatnonzero(rms > SHARE * rms.max())
+    tied = one.margin is not None and one.margin < TIE
+    sure = not set(strong) & set(odd)
+    order = strong[np.argsort(-rms[strong])]
+    return Finding(
+        kind.name, tuple(robot.joints[j] for j in strong), parameters,
+        one.explained,
+        # It happens once: there is nothing else to test it on.
+        Evidence(one.evidence, np.nan, one.needed, 1, one.tried, float(rms.max()), one.rival,
+                 one.margin),
+        (one.rival,) if tied else (), ADVICE[kind.name] if tied else '', False,
+        CONFIRMED if sure else SUSPECTED,
+        tuple(_picture(robot, names[one.owner], residual, one, int(j))
+              for j in order[:MOST_PICTURES]), recording=names[one.owner])
+
+
+def _picture(robot, name, residual, one, j):
+    """Return the residual of a joint over time with the disturbance's torque."""
+    own = np.flatnonzero(residual.owner == one.owner)
+    time = residual.time[own] - residual.time[own[0]]
+    low, high = (residual.time[k] - residual.time[own[0]] for k in (one.first, one.stop - 1))
+    near = own[(time > low - AROUND) & (time < high + AROUND)]
+    columns = one.cause.kind.columns[near, j] / one.cause.kind.scale
+    acts = (near >= one.first) & (near < one.stop)
+    curve = np.where(acts, columns @ one.theta, 0.0)
+    spread = np.where(acts, np.sqrt(np.einsum('ki,ij,kj->k', columns, one.covariance, columns)),
+                      0.0)
+    bins = np.array_split(np.arange(len(near)), min(POINTS, len(near)))
+    mean = np.array([residual.residual[near[b], j].mean() for b in bins])
+    error = np.array([residual.residual[near[b], j].std() / np.sqrt(max(len(b) / 5.0, 1.0))
+                      for b in bins])
+    x, middle, std = (np.array([values[b].mean() for b in bins]) for values in
+                      (residual.time[near] - residual.time[own[0]], curve, spread))
+    return Picture(robot.joints[j], f'time in {name} [s]', x, mean, error, middle,
+                   middle - 1.96 * std, middle + 1.96 * std)

@@ -1,0 +1,48 @@
+"""Load changes: from some moment on, or until one, another load hangs on the hand than declared."""
+
+import numpy as np
+
+from ..load import message_from_products, products_jacobian_of_message
+from .disturbance import Cause
+from .interval import Kind
+
+NAME = 'load_change'
+# Its distance [m] from the load frame and its radius of gyration squared [m^2], as a scale.
+REACH, GYRATION = 0.15, 0.02
+# A load is held at least so long [s]; moments first looked for are so close [s].
+SHORTEST, CELL, LONGEST = 1.0, 0.25, 0.95
+# No hand holds more than this times its rated mass.
+OVERLOAD = 1.5
+SIGMAS = 2.0
+# A centre of mass known no better than this [m] is not told.
+LOOSE = 0.1
+
+
+def load_change(robot, residual, declared):
+    """
+    Return the Cause: a change of the load's ten products, against `declared` loads.
+
+    declared: LoadParameters per recording. No load gets lighter than nothing.
+    """
+    x, rated = residual.x, robot.rated_load.mass
+    links = np.array([robot.link_regressor(*row) for row in zip(x.q, x.v, x.a)])
+    scale = rated * np.array([1.0, *[REACH] * 3, *[REACH ** 2 + GYRATION] * 6])
+    kind = Kind(NAME, robot.load_columns(links) * scale, scale, CELL, SHORTEST, LONGEST, True)
+
+    def possible(products, covariance, owner):
+        mass, std = products[0], np.sqrt(covariance[0, 0])
+        held = declared[owner].mass
+        return abs(mass) > SIGMAS * std and mass + held > -SIGMAS * std \
+            and mass + held < OVERLOAD * rated + SIGMAS * std
+    return Cause(kind, possible)
+
+
+def load_parameters(disturbance):
+    """Return {name: (mean, std, unit)}: change of mass, and where its centre is, if known."""
+    message = message_from_products(disturbance.theta)
+    jacobian = np.linalg.inv(products_jacobian_of_message(message))
+    std = np.sqrt(np.diag(jacobian @ disturbance.covariance @ jacobian.T))
+    out = {'mass': (message[0], std[0], 'kg')}
+    if std[1:4].max() < LOOSE:
+        out |= {f'com_{axis}': (message[1 + k], std[1 + k], 'm') for k, axis in enumerate('xyz')}
+    return out

@@ -1,0 +1,161 @@
+"""Disturbances: a push or another load for a time is found with its size, times and joints."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+from core_helpers import block
+import numpy as np
+import pytest
+from test_residual_trace import declared_model, noise_of, recorded
+
+from hand_load_estimator.report.diagnosis_json import diagnosis_content
+from hand_load_estimator.report.diagnosis_page import page
+from hand_load_estimator.residual.contact import contact
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.diagnosis import CONFIRMED
+from hand_load_estimator.residual.disturbance import Disturbances, undisturbed
+from hand_load_estimator.residual.disturbance_findings import disturbance_findings
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.load_change import load_change
+
+FORCE, LOAD = np.array([12.0, -9.0, 15.0]), block(1.5)
+
+
+@lru_cache(None)
+def load_torque(load_mass, run):
+    """Return the torque (N, n) of a block along a run."""
+    robot, motion = declared_model().robot, recorded()[run].motion
+    products = block(load_mass).to_products()
+    return np.array([robot.load_regressor(*row) @ products
+                     for row in zip(motion.q, motion.v, motion.a)])
+
+
+def with_torque(evidence, run, rows, torque):
+    """Return Evidence of all runs with a torque (N, n) [Nm] added in some rows of one of them."""
+    changed = evidence[run].torque.copy()
+    changed[rows] += torque[rows]
+    return [*evidence[:run], replace(evidence[run], torque=changed), *evidence[run + 1:]]
+
+
+def pushed(rows, force=FORCE, run=0, evidence=None):
+    """Return Evidence of all runs; in some rows of one a force [N] in base axes pushes the hand."""
+    robot, evidence = declared_model().robot, evidence or recorded()
+    torque = np.array([-robot.hand_jacobian(q).T @ force for q in evidence[run].motion.q])
+    return with_torque(evidence, run, rows, torque)
+
+
+def loaded(rows, run=1, sign=1.0):
+    """Return Evidence of all runs; in some rows of one the block hangs on the hand."""
+    return with_torque(recorded(), run, rows, sign * load_torque(LOAD.mass, run))
+
+
+def found_in(evidence):
+    """Return (Disturbances, Findings)."""
+    model, residual = declared_model(), find_residual(declared_model(), evidence)
+    outside = Disturbances(model, residual, (
+        contact(model.robot, residual),
+        load_change(model.robot, residual, [e.load for e in evidence])))
+    return outside, disturbance_findings(model.robot, [e.name for e in evidence], residual,
+                                         outside.found)
+
+
+def assert_told(finding, **truths):
+    """Hold parameters to their truth within their own 4 standard deviations."""
+    for name, truth in truths.items():
+        mean, std, _ = finding.parameters[name]
+        assert abs(mean - truth) < 4.0 * std, (name, mean, std, truth)
+
+
+@pytest.mark.parametrize('first, count', [(300, 15), (300, 40), (250, 250)])
+def test_a_push_is_a_contact_with_its_force_and_time(first, count):
+    """Of 0.3 s, 0.8 s and a third of the recording."""
+    outside, (finding,) = found_in(pushed(slice(first, first + count)))
+    assert finding.name == 'external_contact' and finding.verdict == CONFIRMED
+    assert finding.recording == 'run 0' and finding.evidence.gain > finding.evidence.needed
+    assert_told(finding, **dict(zip(('force_x', 'force_y', 'force_z'), FORCE)))
+    assert finding.parameters['force_z'][1] < 5.0
+    start, end = (finding.parameters[name][0] for name in ('start', 'end'))
+    assert start == pytest.approx(0.02 * first, abs=0.08)
+    assert end == pytest.approx(0.02 * (first + count), abs=0.08)
+    rows = outside.rows
+    assert rows[first:first + count].all()
+    assert not rows[:first - 12].any() and not rows[first + count + 12:].any()
+
+
+def test_two_pushes_of_one_recording_are_two():
+    once = pushed(slice(150, 180))
+    twice = pushed(slice(500, 530), -FORCE, evidence=once)
+    _, (first, second) = found_in(twice)
+    assert_told(first, force_x=FORCE[0], force_y=FORCE[1], force_z=FORCE[2])
+    assert_told(second, force_x=-FORCE[0], force_y=-FORCE[1], force_z=-FORCE[2])
+
+
+@pytest.mark.parametrize('rows, known', [(slice(400, None), {'start'}),
+                                         (slice(None, 400), {'end'}),
+                                         (slice(300, 600), {'start', 'end'})])
+def test_a_load_for_a_time_is_a_load_change(rows, known):
+    _, (finding,) = found_in(loaded(rows))
+    assert finding.name == 'load_change' and finding.recording == 'run 1'
+    assert_told(finding, mass=LOAD.mass)
+    assert finding.parameters['mass'][1] < 0.1
+    assert known == {'start', 'end'} & set(finding.parameters)
+    for name, row in (('start', rows.start), ('end', rows.stop)):
+        if name in known:
+            assert finding.parameters[name][0] == pytest.approx(0.02 * row, abs=0.08)
+    if 'com_x' in finding.parameters:
+        assert_told(finding, com_x=LOAD.com[0], com_y=LOAD.com[1], com_z=LOAD.com[2])
+
+
+def test_only_a_declared_load_can_be_lost():
+    lost = loaded(slice(400, None), sign=-1.0)
+    assert not [f for f in found_in(lost)[1] if f.name == 'load_change']
+    declared = [replace(e, load=LOAD) for e in lost]
+    _, (finding,) = found_in(declared)
+    assert finding.name == 'load_change'
+    assert_told(finding, mass=-LOAD.mass)
+
+
+def test_nothing_is_found_where_nothing_is():
+    assert found_in(recorded())[1] == ()
+    always = [pushed(slice(None), 0.5 * FORCE, run)[run] for run in range(4)]
+    assert found_in(always)[1] == ()
+
+
+def test_bursts_that_go_on_all_the_time_are_no_contacts():
+    evidence = recorded()
+    for start in range(50, 750, 90):
+        for run in range(4):
+            evidence = pushed(slice(start, start + 20), 0.4 * FORCE, run, evidence)
+    assert found_in(evidence)[1] == ()
+
+
+def test_joints_disturbed_on_their_own_are_no_contact():
+    """No force at the hand and no load makes the same step in every joint of a moving arm."""
+    torque = np.zeros_like(recorded()[0].torque) + 10.0 * noise_of(declared_model().robot)
+    assert found_in(with_torque(recorded(), 0, slice(300, 500), torque))[1] == ()
+
+
+def test_what_is_left_is_parts_without_the_rows():
+    evidence, rows = recorded()[0], np.zeros(800, dtype=bool)
+    rows[300:400] = True
+    first, second = undisturbed(evidence, rows)
+    assert len(first.torque) == 300 and len(second.torque) == 400
+    assert first.name == second.name == evidence.name
+    np.testing.assert_array_equal(second.motion.q, evidence.motion.q[400:])
+    (last,) = undisturbed(evidence, rows, (0.5, 1.0))
+    assert len(last.torque) == 350 and last.load.mass == 0.0
+
+
+def test_a_diagnosis_names_them_and_leaves_them_out(tmp_path):
+    evidence = loaded(slice(500, None))
+    evidence = pushed(slice(300, 400), evidence=evidence)
+    diagnosis, better = diagnose(declared_model(), evidence[:-1], evidence[-1:])
+    names = [f.name for f in diagnosis.findings if f.verdict == CONFIRMED]
+    assert names == ['external_contact', 'load_change']
+    # Nothing of them went into the model.
+    np.testing.assert_array_equal(better.mean, declared_model().mean)
+    content = diagnosis_content(diagnosis)
+    assert [e['recording'] for e in content['effects']] == ['run 0', 'run 1']
+    assert {'mass', 'start'} <= set(content['effects'][1]['parameters'])
+    text = page(diagnosis)
+    assert 'It happened in <strong>run 1</strong>' in text and text.count('<img') >= 3
