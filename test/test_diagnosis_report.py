@@ -12,7 +12,8 @@ import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, SUSPECTED, UNKNOWN, Diagnosis,
-                                                    Evidence, Finding, LoadError, Picture)
+                                                    Evidence, FineTuning, Finding, LoadError,
+                                                    Picture)
 
 JOINTS = ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
           'wrist_2_joint', 'wrist_3_joint')
@@ -76,6 +77,11 @@ def found():
         LoadError(0.412, 0.0141, 12), LoadError(0.122, 0.0062, 12), '',
         ('monday_cold', 'monday_warm', 'tuesday_fast'), 'the recording tuesday_fast', 97.4,
         ('wrist_1_joint: slow change over time, largest in monday_cold',))
+
+
+def tuned(before=LoadError(0.098, 0.0051, 12), after=LoadError(0.087, 0.0048, 12)):
+    """Return the same diagnosis with an artefact fine-tuned from the better model."""
+    return dataclasses.replace(found(), fine_tuning=FineTuning('the <first>', before, after))
 
 
 def nothing():
@@ -146,6 +152,16 @@ def test_json_is_strict_and_tells_what_is_not_known():
     assert content['unexplained'][5] is None
     assert content['effects'][2]['evidence']['margin'] is None
     assert json.loads(json.dumps(content, allow_nan=False)) == content
+
+
+def test_json_says_what_became_of_the_artefact():
+    assert diagnosis_json.diagnosis_content(found())['learned'] == {'done': 'kept'}
+    assert diagnosis_json.diagnosis_content(tuned())['learned'] == {
+        'done': 'fine-tuned', 'started_from': 'the <first>', 'folder': 'learned',
+        'load_error': {'before': {'mass_rmse': 0.098, 'com_rmse': 0.0051, 'n': 12},
+                       'after': {'mass_rmse': 0.087, 'com_rmse': 0.0048, 'n': 12}}}
+    unloaded = diagnosis_json.diagnosis_content(tuned(None, None))['learned']
+    assert unloaded['done'] == 'fine-tuned' and unloaded['load_error'] is None
 
 
 @pytest.mark.parametrize('missing', ['load_before', 'load_after'])
@@ -226,6 +242,17 @@ def test_page_of_an_empty_diagnosis_reads_well():
     assert 'Not known: no loaded recordings with known loads were given.What' in words
     assert 'Nothing of weight' in words
     assert 'nan' not in words and 'None' not in words
+
+
+def test_page_says_what_became_of_the_artefact(read):
+    assert 'were left as they are and run with the better model' in read.words()
+    words = Reader(diagnosis_page.page(tuned())).words()
+    assert 'were left as they are' not in words
+    assert 'The artefact the <first> was fine-tuned from the better model into learned.' in words
+    assert 'mass [kg]0.4120.122' in words and 'mass [kg]0.09800.0870' in words
+    assert 'centre of mass [mm]5.104.80' in words
+    unloaded = Reader(diagnosis_page.page(tuned(None, None))).words()
+    assert 'What that did to the load estimate is not known.' in unloaded
 
 
 def test_names_are_text_not_markup():

@@ -151,7 +151,7 @@ def test_another_job_in_the_same_folder_is_refused(runs, tmp_path, capsys):
     (tmp_path / 'work').mkdir(parents=True)
     (tmp_path / 'work' / 'job.json').write_text('{"recipe": {}, "model": ""}')
     assert main(['train', '--model', str(out / 'model.yaml'), '--out', str(tmp_path)]) == 2
-    assert 'unfinished training of another model or recipe' in capsys.readouterr().err
+    assert 'unfinished training of another model, recipe or start' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('arguments, word', [

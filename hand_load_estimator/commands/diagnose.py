@@ -22,6 +22,9 @@ def add_arguments(parser):
     parser.add_argument('--load', metavar='none|L.yaml', default=None,
                         help='load in all recordings but those to test on; without it each '
                              'load.yaml says')
+    parser.add_argument('--fine-tune', default=None, metavar='ARTEFACT',
+                        help='fine-tune this learned artefact (a folder, or the name of a shipped '
+                             'one) from the better model into DIR/learned; takes minutes')
     parser.add_argument('--json', action='store_true', help='print report.json')
     add_recording_arguments(parser)
 
@@ -37,6 +40,7 @@ def run(args):
     from ..shared_files import find_shared
     from .identify import placed
     model = read_model(find_shared(args.model, 'models'))
+    start = args.fine_tune and _artefact(args.fine_tune, model.robot)
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = [_read(model, path, args, given)[0] for path in args.recordings]
     tests = [_read(model, path, args, None) for path in args.test]
@@ -44,8 +48,15 @@ def run(args):
     diagnosis = with_load_errors(diagnosis, model, better, tests)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
-    content = diagnosis_content(diagnosis)
     write_model(out / 'model.yaml', better)
+    if start and better is model:
+        _say('nothing was added to the model: the artefact is left as it is')
+    elif start:
+        # Here, because it brings torch in, which nothing else of a diagnosis needs.
+        from ..residual.fine_tuning import with_fine_tuning
+        diagnosis = with_fine_tuning(diagnosis, better, out / 'model.yaml', start,
+                                     out / 'learned', tests, _say)
+    content = diagnosis_content(diagnosis)
     if diagnosis.correction is not None:
         write_model(out / 'model_with_correction.yaml', diagnosis.correction.model)
     (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
@@ -66,6 +77,15 @@ def _read(model, path, args, given):
     evidence = prepare(model.robot, Path(path).name, motion, load)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
     return evidence, recording, load
+
+
+def _artefact(name, robot):
+    """Return the folder of an artefact that fits a robot; refuse others before the long work."""
+    from ..learning.artefact import read_artefact
+    from ..shared_files import find_shared
+    folder = find_shared(name, 'learned')
+    read_artefact(folder, robot)
+    return folder
 
 
 def _say(text):

@@ -1,4 +1,9 @@
-"""Train the network: seeded, with progress and time left, resumed after a kill."""
+"""
+Train the network: seeded, with progress and time left, resumed after a kill.
+
+From scratch, or from the weights of an artefact (fine-tuning; without a pass it is calibrated
+anew and nothing else).
+"""
 
 import ctypes
 import json
@@ -24,6 +29,7 @@ from .network import LoadNetwork
 from .objective import answers, divergence
 from .sequences import DURATION
 from .shards import BATCH, prior_tensors, read_shard, write_shards
+from .start import read_start, sha256_of
 
 CHECKPOINT_EVERY = 25   # steps
 BYTES_PER_SEQUENCE = 1e6   # on disk while training, for six joints
@@ -46,6 +52,11 @@ class Recipe:
     hidden: int = 48
     learning_rate: float = 4e-3
     seed: int = 1
+
+
+# From an artefact's weights, which know the arm already.
+FINE_TUNING = Recipe(sequences=1216, calibration=512, validation=256, passes=3,
+                     learning_rate=1e-3)
 
 
 def pick_device(name):
@@ -87,12 +98,15 @@ class Progress:
 class _Run:
     """Network, optimiser and schedule of one training, with their checkpoint."""
 
-    def __init__(self, robot, recipe, steps, folder, device):
+    def __init__(self, robot, recipe, steps, folder, device, start):
         torch.manual_seed(recipe.seed)
-        self.network = LoadNetwork(feature_count(robot.n), robot.n, recipe.hidden).to(device)
+        self.network = LoadNetwork(feature_count(robot.n), robot.n, recipe.hidden)
+        if start is not None:
+            start.put_into(self.network)
+        self.network.to(device)
         self.optimiser = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
         self.schedule = torch.optim.lr_scheduler.OneCycleLR(
-            self.optimiser, recipe.learning_rate, total_steps=steps, pct_start=0.1)
+            self.optimiser, recipe.learning_rate, total_steps=max(steps, 1), pct_start=0.1)
         self._path = Path(folder) / 'checkpoint.safetensors'
         self.step = 0
 
@@ -125,42 +139,54 @@ class _Run:
             self.schedule.step()
 
 
-def train(model_path, folder, recipe=Recipe(), device='auto', write=print):
+def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start_from=None):
     """
     Train on draws around a torque model file and write the artefact into `folder`.
 
-    Work in progress lies in folder/work and is picked up by the next call with the same recipe
-    and model; it is removed at the end. Raises ConfigurationError for a wrong model or device.
+    start_from: folder of an artefact whose weights are the first ones; its number of hidden units
+    holds. With no passes these weights stay and only their calibration is made anew. Work in
+    progress lies in folder/work and is picked up by the next call with the same recipe, model and
+    start; it is removed at the end. Raises ConfigurationError for a wrong model, start or device.
     """
     began = time.time()
     _keep_memory()
     model, device = read_model(model_path), pick_device(device)
-    work = Path(folder) / 'work'
+    start = None if start_from is None else read_start(start_from, model.robot)
+    recipe = recipe if start is None else start.sized(recipe)
+    job = {'recipe': asdict(recipe), 'started_from': None if start is None else start.note,
+           'model': {'file': Path(model_path).name, 'sha256': sha256_of(model_path)}}
+    spans, work = _seeds_of(recipe, start), Path(folder) / 'work'
     work.mkdir(parents=True, exist_ok=True)
-    _same_job(work, model_path, recipe)
-    shards = {name: write_shards(
-        model_path, work / name, span[:count], Progress(write, f'sequences ({name})', len(
-            range(0, count, BATCH)))) for name, span, count in (
-                ('training', seeds.TRAINING, recipe.sequences),
-                ('calibration', seeds.CALIBRATION, recipe.calibration),
-                ('validation', seeds.VALIDATION, recipe.validation))}
-    network = _optimise(model.robot, recipe, shards['training'], work, device, write)
+    _same_job(work, job, sum(map(len, spans.values())))
+    shards = {name: write_shards(model_path, work / name, span, Progress(
+        write, f'sequences ({name})', len(range(0, len(span), BATCH))))
+        for name, span in spans.items()}
+    network = _optimise(model.robot, recipe, shards['training'], work, device, write, start)
     network = network.cpu()
     prior = prior_tensors(model.robot)
     factors = calibrate(network, shards['calibration'], prior)
     scores = held_out_scores(network, factors, shards['validation'], prior)
     weights = {k: v.numpy() for k, v in network.state_dict().items()}
-    write_artefact(folder, weights, factors, _card(model, recipe, scores, time.time() - began))
+    write_artefact(folder, weights, factors,
+                   _card(model, job, spans, scores, time.time() - began))
     _clean(work)
     return scores
 
 
-def _same_job(work, model_path, recipe):
-    """Note what the work belongs to; refuse to mix two jobs."""
-    job = {'recipe': asdict(recipe), 'model': Path(model_path).read_text(encoding='utf-8')}
+def _seeds_of(recipe, start):
+    """Return {use: seeds}. A fine-tuning sees draws that no training from scratch comes to."""
+    count = recipe.sequences if recipe.passes else 0
+    training = seeds.TRAINING[:count] if start is None else \
+        seeds.TRAINING[len(seeds.TRAINING) - count:]
+    return {'training': training, 'calibration': seeds.CALIBRATION[:recipe.calibration],
+            'validation': seeds.VALIDATION[:recipe.validation]}
+
+
+def _same_job(work, job, sequences):
+    """Note what the work belongs to, where there is room for it; refuse to mix two jobs."""
     note = work / 'job.json'
     if not note.exists():
-        needed = BYTES_PER_SEQUENCE * (recipe.sequences + recipe.calibration + recipe.validation)
+        needed = BYTES_PER_SEQUENCE * sequences
         free = shutil.disk_usage(work).free
         if free < needed:
             raise ConfigurationError(work, 'has too little room for the training sequences',
@@ -169,13 +195,14 @@ def _same_job(work, model_path, recipe):
         part.write_text(json.dumps(job), encoding='utf-8')
         os.replace(part, note)
     elif json.loads(note.read_text(encoding='utf-8')) != job:
-        raise ConfigurationError(work, 'holds the unfinished training of another model or recipe',
-                                 todo='remove it or give another --out')
+        raise ConfigurationError(
+            work, 'holds the unfinished training of another model, recipe or start',
+            todo='remove it or give another --out')
 
 
-def _optimise(robot, recipe, paths, work, device, write):
+def _optimise(robot, recipe, paths, work, device, write, start):
     steps = recipe.passes * len(paths)
-    run = _Run(robot, recipe, steps, work, device)
+    run = _Run(robot, recipe, steps, work, device, start)
     run.resume()
     prior = [t.to(device) for t in prior_tensors(robot)]
     progress = Progress(write, 'training step', steps, run.step)
@@ -199,17 +226,15 @@ def _optimise(robot, recipe, paths, work, device, write):
     return run.network
 
 
-def _card(model, recipe, scores, seconds):
+def _card(model, job, spans, scores, seconds):
     return {
         'name': f'LSTM load network for {model.robot.name}',
         'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
         'outputs': 'correction and precision per joint for the recursive regression; shift and '
                    f'spread of {", ".join(MESSAGE_ORDER)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
-        'model_recordings': list(model.recordings), 'recipe': asdict(recipe),
-        'sequence_seconds': DURATION,
-        'seeds': {'training': seeds.TRAINING.start, 'calibration': seeds.CALIBRATION.start,
-                  'validation': seeds.VALIDATION.start},
+        'model_recordings': list(model.recordings), **job, 'sequence_seconds': DURATION,
+        'seeds': {name: span.start for name, span in spans.items()},
         'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}
 
 

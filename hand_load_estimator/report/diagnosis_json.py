@@ -43,10 +43,22 @@ def _one_load_error(error):
 
 def _load_error(diagnosis):
     """Return the keys about load estimates: an error needs both sides to mean something."""
-    if diagnosis.load_before is None or diagnosis.load_after is None:
-        return {'load_error': None, 'load_error_reason': diagnosis.load_reason}
-    return {'load_error': {'before': _one_load_error(diagnosis.load_before),
-                           'after': _one_load_error(diagnosis.load_after)}}
+    both = _both_load_errors(diagnosis)
+    return {'load_error': both} if both else {'load_error': None,
+                                              'load_error_reason': diagnosis.load_reason}
+
+
+def _both_load_errors(of):
+    if of.load_before is None or of.load_after is None:
+        return None
+    return {'before': _one_load_error(of.load_before), 'after': _one_load_error(of.load_after)}
+
+
+def _learned(fine_tuning):
+    if fine_tuning is None:
+        return {'done': 'kept'}
+    return {'done': 'fine-tuned', 'started_from': fine_tuning.started_from, 'folder': 'learned',
+            'load_error': _both_load_errors(fine_tuning)}
 
 
 def diagnosis_content(diagnosis):
@@ -69,4 +81,5 @@ def diagnosis_content(diagnosis):
         'correction': None if diagnosis.correction is None else {
                 'model': 'model_with_correction.yaml',
                 'torque_rmse': _numbers(diagnosis.correction.after)},
+        'learned': _learned(diagnosis.fine_tuning),
             'seconds': _number(diagnosis.seconds)}

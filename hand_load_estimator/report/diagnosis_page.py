@@ -236,13 +236,31 @@ def _load(diagnosis):
     if before is None or after is None:
         reason = f': {diagnosis.load_reason.rstrip(".")}' if diagnosis.load_reason else ''
         return f'{top}<p>Not known{escape(reason)}.</p>'
+    count = f'{after.n} loaded recording{"s" * (after.n != 1)}'
+    return (f'{top}<p>Root mean square over {count} with known loads; method bayes, which has '
+            'nothing learned.</p>' + _load_table(['', 'before', 'after'], before, after))
+
+
+def _load_table(head, before, after):
     rows = [['mass [kg]', _figure(before.mass_rmse), _figure(after.mass_rmse)]]
     if before.com_rmse is not None and after.com_rmse is not None:
         rows.append(['centre of mass [mm]', _figure(1e3 * before.com_rmse),
                      _figure(1e3 * after.com_rmse)])
-    count = f'{after.n} loaded recording{"s" * (after.n != 1)}'
-    return (f'{top}<p>Root mean square over {count} with known loads.</p>'
-            + _table(['', 'before', 'after'], rows))
+    return _table(head, rows)
+
+
+def _learned(fine_tuning):
+    """Return what became of the learned artefact, nothing where it was left as it is."""
+    if fine_tuning is None:
+        return ''
+    text = (f'<h3>With the learned artefact</h3><p>The artefact <em>'
+            f'{escape(fine_tuning.started_from)}</em> was fine-tuned from the better model into '
+            '<code>learned</code>. ')
+    before, after = fine_tuning.load_before, fine_tuning.load_after
+    if before is None or after is None:
+        return f'{text}What that did to the load estimate is not known.</p>'
+    return (f'{text}Error of method lstm with the better model on the same recordings:</p>'
+            + _load_table(['', 'artefact<br>as it was', 'fine-<br>tuned'], before, after))
 
 
 def _physics(finding):
@@ -342,6 +360,9 @@ def _remains(diagnosis):
 
 def _origin(diagnosis):
     recordings = _list_of(map(_label, diagnosis.recordings)) if diagnosis.recordings else ''
+    kept = '' if diagnosis.fine_tuning else (
+        '<p>Learned artefacts (method lstm) were left as they are and run with the better model.'
+        '</p>')
     return (
         '<h2>Recordings and method</h2>' + recordings
         + f'<p>Tested on: {escape(diagnosis.tested_on) or "not stated"}.</p>'
@@ -349,7 +370,7 @@ def _origin(diagnosis):
         'knows. An effect enters the model only if it predicts blocks of data that its fit has '
         'not seen better than without it, by more than chance would give over all hypotheses '
         'tried (<em>confirmed</em>); where that is not certain it is <em>suspected</em>. A gain '
-        'of one nat means that the data are 2.7 times as likely.</p>'
+        f'of one nat means that the data are 2.7 times as likely.</p>{kept}'
         f'<p class="quiet">hand_load_estimator {__version__}, {datetime.date.today()}, '
         f'{_figure(diagnosis.seconds)} s of computing.</p>')
 
@@ -365,8 +386,8 @@ def page(diagnosis):
         f'<title>{head}</title><style>{_STYLE}</style></head><body>'
         f'<p class="quiet">Diagnosis of the torque model of {escape(diagnosis.robot)}</p>'
         f'<h1>{head}</h1>' + (_summary(diagnosis) if diagnosis.findings else '')
-        + _errors(diagnosis) + _load(diagnosis) + effects + _remains(diagnosis)
-        + _origin(diagnosis) + '</body></html>\n')
+        + _errors(diagnosis) + _load(diagnosis) + _learned(diagnosis.fine_tuning) + effects
+        + _remains(diagnosis) + _origin(diagnosis) + '</body></html>\n')
 
 
 def write_page(path, diagnosis):

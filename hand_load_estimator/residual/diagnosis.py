@@ -94,6 +94,20 @@ class LoadError:
 
 
 @dataclass(frozen=True)
+class FineTuning:
+    """
+    The learned artefact was fine-tuned from the better model.
+
+    started_from: name of the artefact before; load_before, load_after: LoadError of method `lstm`
+    with the better model and the artefact as it was and as it is now, or None.
+    """
+
+    started_from: str
+    load_before: LoadError | None
+    load_after: LoadError | None
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """
     The whole result; (n,) arrays are per joint.
@@ -102,7 +116,8 @@ class Diagnosis:
     findings: in the order they were found; unexplained (n,): share of the residual variance that
     is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
-    seconds spent; remains: sentences on structure that is left; correction: what is offered for it.
+    seconds spent; remains: sentences on structure that is left; correction: what is offered for
+    it; fine_tuning: what became of the learned artefact, None where it was left as it is.
     """
 
     robot: str
@@ -121,3 +136,4 @@ class Diagnosis:
     seconds: float = 0.0
     remains: tuple = ()
     correction: Correction | None = None
+    fine_tuning: FineTuning | None = None

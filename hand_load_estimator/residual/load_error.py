@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..estimators.bayes import Bayes
+from ..estimators.lstm import Lstm
 from ..joint_stream import JointStream, motion_samples
 from ..torque_model import ModelFollower
 from .diagnosis import LoadError
@@ -17,16 +18,24 @@ def with_load_errors(diagnosis, model, better, runs):
     runs: (Evidence, Recording, LoadParameters); those that carry something count. Method `bayes`,
     which has no learnt part that could hide what the model lacks.
     """
+    before = load_error(model, runs)
+    if before is None:
+        return replace(diagnosis, load_reason='no test recording with a known load was given')
+    return replace(diagnosis, load_before=before, load_after=load_error(better, runs))
+
+
+def load_error(model, runs, artefact=None):
+    """
+    Return the LoadError of a TorqueModel over the loaded of the runs, None without any.
+
+    artefact: method `lstm` with that Artefact instead of `bayes`.
+    """
     loaded = [(recording, load) for _, recording, load in runs if load.mass > 0.0]
     if not loaded:
-        return replace(diagnosis, load_reason='no test recording with a known load was given')
-    return replace(diagnosis, load_before=_error(model, loaded), load_after=_error(better, loaded))
-
-
-def _error(model, loaded):
+        return None
     masses, places = [], []
     for recording, load in loaded:
-        mean = estimate(model, recording)
+        mean = estimate(model, recording, artefact)
         masses.append(mean[0] - load.mass)
         if 'com' in recording.load_known:
             places.append(mean[1:4] - load.com)
@@ -34,10 +43,11 @@ def _error(model, loaded):
     return LoadError(float(np.sqrt(np.mean(np.square(masses)))), com and float(com), len(masses))
 
 
-def estimate(model, recording):
-    """Return the final estimate (10,) in message order of a Recording."""
+def estimate(model, recording, artefact=None):
+    """Return the final estimate (10,) in message order of a Recording, as of load_error."""
     stream, follower = JointStream(model.robot), ModelFollower(model)
-    method = Bayes(model, follower.uncertainties)
+    method = Bayes(model, follower.uncertainties) if artefact is None else \
+        Lstm(model, follower.uncertainties, artefact)
     for sample in motion_samples(stream, recording):
         if sample.fresh:
             follower.restart()
