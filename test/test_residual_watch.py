@@ -77,7 +77,7 @@ def test_since_when_and_after_how_much_motion(model):
 
 
 def test_what_is_over_is_forgotten_with_hysteresis(model):
-    stream = rubbed(model, messages(model, block(2.0), 160.0), until=25.0)
+    stream = rubbed(model, messages(model, block(2.0), 180.0), until=25.0)
     ratios = []
     for pipeline in follow(pipeline_of(model), stream):
         if pipeline.watch.aged:
