@@ -123,32 +123,43 @@ class System:
         stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
         return self.dt[:, None] / (intensity + stuck)
 
-    def solve(self, mean, covariance, weights, rows=None):
+    def solve(self, mean, covariance, weights):
         """Return the posterior mean and covariance of x (eq. 11)."""
-        rows = slice(None) if rows is None else rows
+        return posterior_of(mean, covariance, self.told(mean, covariance, weights, slice(None)))
+
+    def told(self, mean, covariance, weights, rows):
+        """Return Y^T W Y and Y^T W (tau - Y mean) of some rows, for the parameters free to move."""
         y, tau, w = self.columns[rows], self.torque[rows], weights[rows]
-        n, size = tau.shape[1], y.shape[2]
-        free = np.flatnonzero(np.diag(covariance) > 0.0)
+        n, free = tau.shape[1], np.flatnonzero(np.diag(covariance) > 0.0)
         information = np.zeros((len(free), len(free)))
         gradient = np.zeros(len(free))
         for j in range(n):
-            yj = y[:, j, :]
-            weighted = yj[:, free] * w[:, j, None]
-            information += weighted.T @ yj[:, free]
-            gradient += weighted.T @ (tau[:, j] - yj @ mean)
-        # Scaling by the prior keeps masses and inertias of small links in one range.
-        scale = np.sqrt(np.diag(covariance)[free])
-        scaled = information * np.outer(scale, scale) + np.eye(len(free))
-        inverse = np.linalg.inv(scaled)
-        posterior = np.zeros((size, size))
-        posterior[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
-        x = mean.copy()
-        x[free] += scale * (inverse @ (scale * gradient))
-        return x, posterior
+            # A joint tells nothing of the others' effects and of the links before it.
+            own = np.flatnonzero(y[:, j, free].any(axis=0))
+            yj = y[:, j, free[own]]
+            weighted = yj * w[:, j, None]
+            information[np.ix_(own, own)] += weighted.T @ yj
+            gradient[own] += weighted.T @ (tau[:, j] - y[:, j] @ mean)
+        return information, gradient
 
     def residual(self, x):
         """Return tau - Y x, (N, n)."""
         return self.torque - self.columns @ x
+
+
+def posterior_of(mean, covariance, told):
+    """Return posterior mean (P,) and covariance (P, P) of a prior and what data told of it."""
+    information, gradient = told
+    free = np.flatnonzero(np.diag(covariance) > 0.0)
+    # Scaling by the prior keeps masses and inertias of small links in one range.
+    scale = np.sqrt(np.diag(covariance)[free])
+    scaled = information * np.outer(scale, scale) + np.eye(len(free))
+    inverse = np.linalg.inv(scaled)
+    posterior = np.zeros_like(covariance)
+    posterior[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
+    x = mean.copy()
+    x[free] += scale * (inverse @ (scale * gradient))
+    return x, posterior
 
 
 def density(residual, weights, owner, dt):
@@ -265,10 +276,13 @@ def held_out(system, mean, covariance, weights):
     parts = system.owner
     if len(np.unique(parts)) == 1:
         parts = np.arange(len(parts)) * 4 // len(parts)
+    told = {part: system.told(mean, covariance, weights, np.flatnonzero(parts == part))
+            for part in np.unique(parts)}
     out = np.empty_like(system.torque)
-    for part in np.unique(parts):
-        rest, rows = np.flatnonzero(parts != part), np.flatnonzero(parts == part)
-        x, _ = system.solve(mean, covariance, weights, rest)
+    for part in told:
+        rest = [sum(sums) for sums in zip(*(told[k] for k in told if k != part))]
+        x, _ = posterior_of(mean, covariance, rest)
+        rows = parts == part
         out[rows] = system.torque[rows] - system.columns[rows] @ x
     return out
 

@@ -1,5 +1,6 @@
 """Rigid-body mechanics of an arm described by a robot file (pinocchio)."""
 
+from functools import cached_property
 from xml.etree import ElementTree
 
 import numpy as np
@@ -145,11 +146,16 @@ class Robot:
         first /= np.linalg.norm(first)
         return np.array([first, np.cross(first, down)])
 
+    @cached_property
+    def _turned_gravity(self):
+        """How gravity changes (2, 3) per radian about the tilt axes."""
+        return np.cross(self.tilt_axes(), self.model.gravity.linear)
+
     def _tilted(self, q):
         zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()
         columns = []
-        for axis in self.tilt_axes():
-            self.model.gravity.linear = np.cross(axis, gravity)
+        for turned in self._turned_gravity:
+            self.model.gravity.linear = turned
             columns.append(self.link_regressor(q, zero, zero))
         self.model.gravity.linear = gravity
         return columns

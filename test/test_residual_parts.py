@@ -9,7 +9,7 @@ import pytest
 from test_residual_trace import (cable, clean_runs, declared_model, noise_of, on, recorded, ripple,
                                  viscous)
 
-from hand_load_estimator.effects.torque_ripple import wave
+from hand_load_estimator.effects.torque_ripple import waves
 from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
@@ -27,6 +27,11 @@ from hand_load_estimator.torque_model import effect_slices
 
 
 # Ripple.
+
+def wave(q, v, periods, phase):
+    sine, cosine = waves(q, v, periods)
+    return np.cos(phase) * sine + np.sin(phase) * cosine
+
 
 @pytest.mark.parametrize('periods', [20.0, 60.0, 150.0])
 @pytest.mark.parametrize('speed', [0.1, 0.5, 1.0])
@@ -69,14 +74,14 @@ def test_a_period_found_in_noise_alone_gains_nothing():
         found, tried = likely_periods(q, v, residual, weights)
         assert len(found) == CANDIDATES
         for periods in found:
-            columns = np.stack([wave(q, v, periods, p) for p in (0.0, 0.5 * np.pi)], axis=1)
+            columns = np.stack(waves(q, v, periods), axis=1)
             # The period itself is fitted to all blocks: the best of so many trials.
             assert blocks.evaluate({0: columns}).gain < 3.0 + np.log(tried)
     strong = waving(60.0, 0.5)
     blocks = Blocks(strong[2][:, None], strong[3][:, None], [np.zeros((len(strong[0]), 0))],
                     np.arange(0, 4000, 200), np.arange(20) % 5)
     found = likely_periods(*strong)[0][0]
-    columns = np.stack([wave(*strong[:2], found, p) for p in (0.0, 0.5 * np.pi)], axis=1)
+    columns = np.stack(waves(*strong[:2], found), axis=1)
     assert blocks.evaluate({0: columns}).gain > 100.0
 
 

@@ -8,20 +8,25 @@ from .effect import Effect, Shape
 
 def _columns(x, j, shape):
     q, v = x.q[:, j], x.v[:, j]
-    return np.stack([wave(q, v, k * shape['periods'], phase)
-                     for k in (1.0, 2.0) for phase in (0.0, 0.5 * np.pi)], axis=-1)
+    return np.stack([wave for k in (1.0, 2.0) for wave in waves(q, v, k * shape['periods'])],
+                    axis=-1)
 
 
-def wave(q, v, periods, phase):
+def waves(q, v, periods):
     """
-    Return sin(periods q + phase) as it comes through the motion filter.
+    Return sin(periods q) and cos(periods q) as they come through the motion filter.
 
     q [rad], v [rad/s] filtered, of any one shape. A ripple is met at the frequency periods v,
-    where the three-stage filter has gain (1 + s^2)^(-3/2) and phase -3 atan s with
-    s = periods v / w; the filtered position lags by 3 / w, so -3 s of it is there already.
+    where the three-stage filter has gain (1 + i s)^-3 with s = periods v / w; the filtered
+    position lags by 3 / w, so -3 s of its phase is there already.
     """
     s = periods * v / BANDWIDTH
-    return (1.0 + s * s) ** -1.5 * np.sin(periods * q + phase + 3.0 * (s - np.arctan(s)))
+    squared = s * s
+    scale = (1.0 + squared) ** -3
+    real, imaginary = scale * (1.0 - 3.0 * squared), scale * s * (squared - 3.0)
+    angle = periods * q + 3.0 * s
+    sine, cosine = np.sin(angle), np.cos(angle)
+    return real * sine + imaginary * cosine, real * cosine - imaginary * sine
 
 
 def _derived(values, _):

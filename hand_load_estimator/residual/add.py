@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
-from ..torque_model import Residuals, TorqueModel, effect_slices
+from ..torque_model import ColumnLayout, Residuals, TorqueModel, effect_slices
 from .diagnosis import UNKNOWN
 from .hypotheses import EFFECT_FACTOR, with_effect
 
@@ -97,8 +97,11 @@ def _identified(model, declared, mean, covariance, evidence, own):
     uses, links = declared
     robot, x, residuals = model.robot, mean, model.residuals
     intensity, friction = residuals.intensity, model.friction_level()
+    system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for _ in range(3):
-        system = System(robot, uses, evidence, x)
+        # Only effects that depend on torques change their columns with x.
+        if system is None or torque_bound:
+            system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         x, posterior = system.solve(mean, covariance, weights)
         friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()

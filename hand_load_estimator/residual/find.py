@@ -53,14 +53,21 @@ class Residual:
 
     def friction_state(self, distance):
         """Return z (N, n) for a presliding travel [rad] of all joints."""
-        if distance not in self._paths:
-            n = self.residual.shape[1]
-            parts = [presliding_path(self.x.q[rows], self.x.v[rows], self.dt[rows],
-                                     np.full(n, distance))[0]
-                     for rows in (np.flatnonzero(self.owner == k)
-                                  for k in np.unique(self.owner))]
-            self._paths[distance] = np.concatenate(parts)
+        self.follow_friction((distance,))
         return self._paths[distance]
+
+    def follow_friction(self, distances):
+        """Follow the friction state for presliding travels [rad] at once, unless it is known."""
+        distances = [distance for distance in distances if distance not in self._paths]
+        n, count = self.residual.shape[1], len(distances)
+        if not count:
+            return
+        parts = [presliding_path(np.tile(self.x.q[rows], count), np.tile(self.x.v[rows], count),
+                                 self.dt[rows], np.repeat(distances, n))[0]
+                 for rows in (np.flatnonzero(self.owner == k) for k in np.unique(self.owner))]
+        states = np.concatenate(parts)
+        self._paths.update({distance: states[:, n * k:n * k + n]
+                            for k, distance in enumerate(distances)})
 
     def blocks(self, root=None):
         """
@@ -87,7 +94,7 @@ def find_residual(model, evidence, cut=True):
 
     cut: into blocks, to compare hypotheses on.
     """
-    parts = [_of_recording(model, e) for e in evidence]
+    parts = [_of_recording(model, e, cut) for e in evidence]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
@@ -99,9 +106,9 @@ def find_residual(model, evidence, cut=True):
 
 
 def _joined_input(parts):
-    late = parts[0].late is not None and (
-        lambda delay: np.concatenate([p.late(delay) for p in parts]))
-    names = [name for name in EffectInput.__dataclass_fields__ if name != 'late']
+    names = [name for name in EffectInput.__dataclass_fields__
+             if name != 'late' and getattr(parts[0], name) is not None]
+    late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
     return EffectInput(**{name: np.concatenate([getattr(p, name) for p in parts])
                           for name in names}, late=late)
 
@@ -113,12 +120,13 @@ def _expected(model, columns, x):
     return np.sqrt((doubt ** 2).sum(axis=2).mean(axis=0))
 
 
-def _of_recording(model, evidence):
-    """Return the row-wise fields of a Residual for one recording."""
+def _of_recording(model, evidence, compared):
+    """Return the row-wise fields of a Residual for one recording, to compare hypotheses or not."""
     robot, motion = model.robot, evidence.motion
     x, doubt = motion_input(robot, motion, model.presliding_distance())
     columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.held)
-    x = _complete(model, x, columns, motion.dt, evidence.held)
+    if compared:
+        x = _complete(model, x, columns, motion.dt, evidence.held)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \

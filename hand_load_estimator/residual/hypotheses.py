@@ -50,6 +50,7 @@ def hypotheses(model, residual, blocks, warmed, done=()):
 
     warmed: indices of joints whose temperature has changed enough to tell its effects.
     """
+    residual.follow_friction(PRESLIDING_DISTANCES)
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
     for j in range(n):
         for name, effect in EFFECTS.items():

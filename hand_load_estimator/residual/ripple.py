@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..effects.torque_ripple import wave
+from ..effects.torque_ripple import waves
 
 LOWEST, HIGHEST = 4.0, 400.0   # [1/turn]
 CANDIDATES = 3
@@ -35,7 +35,7 @@ def _explained(q, v, residual, weights, periods):
     """Return the weighted squares that a sine of this period takes off the residual."""
     slow = np.abs(periods * v) < FASTEST
     w = weights * slow
-    sine, cosine = wave(q, v, periods, 0.0), wave(q, v, periods, 0.5 * np.pi)
+    sine, cosine = waves(q, v, periods)
     ss, cc, sc = (w * sine) @ sine, (w * cosine) @ cosine, (w * sine) @ cosine
     sr, cr = (w * sine) @ residual, (w * cosine) @ residual
     determinant = ss * cc - sc * sc
