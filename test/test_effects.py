@@ -201,6 +201,21 @@ def test_friction_of_a_loaded_gear_is_against_the_motion():
         np.testing.assert_allclose(column, 20.0 * np.sign(v[:, 1]), rtol=1e-6)
 
 
+def test_unequal_friction_levels_are_gone_between_them():
+    """Contacts bent forwards hold C + A, backwards C - A, unbent ones nothing; an offset stays."""
+    x, level, unequal = inputs(), 3.0, 1.2
+    moving = replace(x, z=np.sign(x.v))
+    held = replace(x, v=np.zeros_like(x.v))
+    asymmetry = EFFECTS['friction_asymmetry']
+    for at in (moving, held):
+        torque = level * at.z[:, 2] + unequal * of_joint(asymmetry, at, 2)[:, 0]
+        expected = np.where(at.z[:, 2] > 0.0, level + unequal, level - unequal) * at.z[:, 2]
+        np.testing.assert_allclose(torque, expected, atol=1e-12)
+    unbent = replace(held, z=np.zeros_like(x.z))
+    assert not of_joint(asymmetry, unbent, 2).any()
+    assert (of_joint(EFFECTS['torque_offset'], unbent, 2) == 1.0).all()
+
+
 def test_friction_is_not_seen_behind_the_gear():
     seen = {e.name for e in EFFECTS.values() if e.in_link_torque}
     assert not [name for name in seen if 'friction' in name or name in (

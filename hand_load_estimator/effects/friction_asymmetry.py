@@ -3,12 +3,12 @@
 import numpy as np
 
 from .effect import Effect
-from .smooth_sign import sign_of
 
 
 def _columns(x, j, _):
-    v = x.v[:, j]
-    return np.stack([sign_of(v) ** 2, np.abs(v)], axis=-1)
+    # The levels belong to the directions the contacts are bent in: where they are not bent, on
+    # the way between the levels, nothing is left of the difference. That tells it from an offset.
+    return np.stack([np.abs(x.z[:, j]), np.abs(x.v[:, j])], axis=-1)
 
 
 FRICTION_ASYMMETRY = Effect(

@@ -196,7 +196,8 @@ class Trace:
         simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
         others = [c.name for c in [best, *alike] if c.name not in (simplest.name, UNKNOWN)]
         return Step(simplest, tuple(dict.fromkeys(others)),
-                    next((c for c in [best, *rivals] if c is not simplest), None), needed)
+                    next((c for c in [best, *rivals] if c is not simplest and c.gain > 0.0),
+                         None), needed)
 
     def _candidates(self):
         """Return the named candidates that are adequate, and the unknowns nothing explains."""
