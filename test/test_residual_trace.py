@@ -12,6 +12,8 @@ from hand_load_estimator.identification import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.trace import Candidate, Trace
 from hand_load_estimator.torque_model import (ColumnLayout, motion_input, presliding_distances,
                                               Residuals, torque_columns, TorqueModel)
 
@@ -272,6 +274,20 @@ def test_a_change_that_the_model_expects_is_no_finding(doubt, expected):
     """The same change: news to a model that is sure, none to one that says it may be off."""
     diagnosis, _ = diagnosed(on(2, 0.8, viscous), model=declared_model(doubt))
     assert [f.name for f in diagnosis.findings] == expected
+
+
+def candidate(name, gain):
+    """Return a Candidate of joint 0 that gains so many nats in all of ten blocks."""
+    hypothesis = Hypothesis(name, 0, {0: np.ones((4, 1))}, np.ones(1))
+    return Candidate(name, ((hypothesis, None),), gain, 0.0, np.full(10, gain / 10.0))
+
+
+@pytest.mark.parametrize('gain, rival', [(5.0, 'viscous_friction'), (-5.0, None)])
+def test_what_gains_nothing_is_no_rival(gain, rival):
+    best, other = candidate('rotor_inertia', 900.0), candidate('viscous_friction', gain)
+    step = Trace._step(None, best, [best, other], 30.0)
+    assert step.chosen is best and step.alternatives == ()
+    assert (step.next_best and step.next_best.name) == rival
 
 
 # What the result promises.
