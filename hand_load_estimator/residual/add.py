@@ -6,7 +6,6 @@ import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
 from ..torque_model import ColumnLayout, Residuals, TorqueModel, effect_slices
-from .confusable import partners
 from .diagnosis import UNKNOWN
 from .hypotheses import EFFECT_FACTOR, with_effect
 
@@ -32,15 +31,7 @@ def better_model(model, steps, evidence):
                 continue
             uses = with_effect(replace(model, uses=uses), hypothesis)
             changed.add((hypothesis.name, hypothesis.joint))
-            changed |= _perhaps_too(model, step, hypothesis)
     return identified_again(model, uses, evidence, changed)
-
-
-def _perhaps_too(model, step, hypothesis):
-    """Return (name, joint) of declared effects that may have changed as well as, or instead."""
-    alike = set(step.alternatives) & set(partners(hypothesis.name))
-    return {(u.name, u.joint) for u in model.uses if u.joint == hypothesis.joint} \
-        & {(name, hypothesis.joint) for name in alike}
 
 
 def identified_again(model, uses, evidence, changed=frozenset()):
