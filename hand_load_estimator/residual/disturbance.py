@@ -10,7 +10,7 @@ from .usual import Usual
 
 # Nats to be gained beyond the logarithm of the intervals tried.
 LEAST_EVIDENCE = 25.0
-MOST, MOST_REFUSED = 12, 2
+MOST = 16
 # A cause must explain this share of the residual in its time, and of what a free step of every
 # joint does.
 EXPLAINED = 0.6
@@ -88,19 +88,14 @@ class Disturbances:
         self.rows = self._masked([(d.first, d.stop) for d in self.found])
 
     def _select(self):
-        """Return the (first, stop, evidence) that are more than what is usual."""
-        taken, refused, pending = [], [], None
-        while len(taken) < MOST and len(refused) < MOST_REFUSED:
-            searches = self._searches()
-            if pending is not None:
-                cause, *span, evidence = pending
-                excess = searches[cause.kind.name].excess(self._seconds(*span))
-                sure = evidence > max(excess, 1.0) * self._needed()
-                (taken if sure else refused).append((*span, evidence))
-            pending = self._likeliest(searches)
-            if pending is None:
+        """Return (first, stop, evidence) of what may be disturbances, the likeliest first."""
+        taken = []
+        while len(taken) < MOST:
+            likeliest = self._likeliest(self._searches())
+            if likeliest is None:
                 break
-            self._leave_out([*taken, *refused, pending[1:]])
+            taken.append(likeliest[1:])
+            self._leave_out(taken)
         return taken
 
     def _searches(self):
@@ -199,10 +194,9 @@ class Disturbances:
         """Return the Disturbances that stand out of what is left when all are left out."""
         self._leave_out([(d.first, d.stop) for d in found])
         searches = self._searches()
-        # Where bursts as strong are left, something goes on all the time.
         others = max((self._left_in(search) for search in searches.values()), default=0.0)
         out = []
-        for one in found:
+        for one in sorted(found, key=lambda one: one.evidence):
             search = searches[one.cause.kind.name]
             # A push also changes what friction holds, which no quiet time shows: never below one.
             excess = max(search.excess(self._seconds(one.first, one.stop)), 1.0)
@@ -211,6 +205,9 @@ class Disturbances:
                     and share > EXPLAINED and self._plausible(one, excess):
                 out.append(replace(one, covariance=excess * one.covariance,
                                    evidence=one.evidence / excess, explained=explained))
+            else:
+                # Where bursts as strong are no disturbance, something goes on all the time.
+                others = max(others, one.evidence)
         return out
 
     def _left_in(self, search):
