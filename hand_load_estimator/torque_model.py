@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 
 from .effects import EFFECTS, EffectInput
-from .effects.smooth_sign import sign_of
 from .late_load import LateLoad
 from .load import products_from_message
 from .play import PlayState, play_along
@@ -401,7 +400,7 @@ class ModelFollower:
         density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load = load_through_effects(self.model, columns[0], load, sample) \
+            load = load_through_effects(self.model, columns[0], load, sample, z) \
                 + self._late_load.change(load, sample.dt)
         return Prediction(difference, load,
                           nuisances, z, doubt, stuck, density)
@@ -411,12 +410,13 @@ class ModelFollower:
 _REMEMBERED = 0.15
 
 
-def load_through_effects(model, columns, load, sample):
+def load_through_effects(model, columns, load, sample, z):
     """
     Return K (n, 10) of a load as effects that depend on torques let it through.
 
-    columns Y (n, P) and load K (n, 10) at a MotionSample. A wrong gain scales the load's torque
-    too, friction grows with it, a leaning base turns its weight. LateLoad adds what a delay does.
+    columns Y (n, P), load K (n, 10) and friction state z (n,) at a MotionSample. A wrong gain
+    scales the load's torque too, friction grows with it, a leaning base turns its weight. LateLoad
+    adds what a delay does.
     """
     robot, gain = model.robot, np.ones(model.robot.n)
     direction = np.sign(columns[:, :10 * robot.n] @ model.mean[:10 * robot.n])
@@ -429,7 +429,7 @@ def load_through_effects(model, columns, load, sample):
         elif use.name == 'torque_scale_temperature':
             gain[use.joint] += value[0] * warmth[use.joint]
         elif use.name == 'load_dependent_friction':
-            gain[use.joint] += value[0] * direction[use.joint] * sign_of(sample.v[use.joint])
+            gain[use.joint] += value[0] * direction[use.joint] * z[use.joint]
         elif use.name == 'base_tilt':
             turned = np.einsum('a,ajk->jk', value, robot.tilted_load_columns(sample.q))
     return gain[:, None] * load + turned

@@ -194,10 +194,12 @@ def test_a_cable_is_no_whole_period():
 
 def test_friction_of_a_loaded_gear_is_against_the_motion():
     effect, x = EFFECTS['load_dependent_friction'], inputs()
-    v = np.where(x.v > 0.0, 0.5, -0.5)
     for gear in (20.0, -20.0):
-        column = of_joint(effect, replace(x, v=v, gear=np.full_like(v, gear)), 1)[:, 0]
-        np.testing.assert_allclose(column, 20.0 * np.sign(v[:, 1]), rtol=1e-6)
+        sliding = replace(x, z=np.sign(x.v), gear=np.full_like(x.v, gear))
+        np.testing.assert_allclose(of_joint(effect, sliding, 1)[:, 0], 20.0 * np.sign(x.v[:, 1]))
+        # On the way between the levels it is as far as the other friction is.
+        turning = replace(sliding, z=0.3 * np.sign(x.v))
+        np.testing.assert_allclose(of_joint(effect, turning, 1)[:, 0], 6.0 * np.sign(x.v[:, 1]))
 
 
 def test_unequal_friction_levels_are_gone_between_them():

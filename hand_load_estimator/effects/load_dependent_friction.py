@@ -3,11 +3,11 @@
 import numpy as np
 
 from .effect import Effect
-from .smooth_sign import sign_of
 
 
 def _columns(x, j, _):
-    return (np.abs(x.gear[:, j]) * sign_of(x.v[:, j]))[..., None]
+    # As all friction it turns over the presliding travel, not with the sign of the velocity.
+    return (np.abs(x.gear[:, j]) * x.z[:, j])[..., None]
 
 
 LOAD_DEPENDENT_FRICTION = Effect(
