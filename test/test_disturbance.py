@@ -38,7 +38,7 @@ def with_torque(evidence, run, rows, torque):
 
 
 def pushed(rows, force=FORCE, run=0, evidence=None):
-    """Return Evidence of all runs; in some rows of one a force [N] in base axes pushes the hand."""
+    """Return Evidence of all runs; in some rows of one a force [N] pushes the hand."""
     robot, evidence = declared_model().robot, evidence or recorded()
     torque = np.array([-robot.hand_jacobian(q).T @ force for q in evidence[run].motion.q])
     return with_torque(evidence, run, rows, torque)
@@ -146,7 +146,15 @@ def test_what_is_left_is_parts_without_the_rows():
     assert len(last.torque) == 350 and last.load.mass == 0.0
 
 
-def test_a_diagnosis_names_them_and_leaves_them_out(tmp_path):
+def test_a_recording_too_short_to_tell_is_passed_over():
+    first, *others = recorded()
+    (short,) = undisturbed(first, np.arange(len(first.torque)) >= 60)
+    assert found_in([short, *others])[1] == ()
+    _, (finding,) = found_in([short, *pushed(slice(300, 340), run=1)[1:]])
+    assert finding.recording == 'run 1'
+
+
+def test_a_diagnosis_names_them_and_leaves_them_out():
     evidence = loaded(slice(500, None))
     evidence = pushed(slice(300, 400), evidence=evidence)
     diagnosis, better = diagnose(declared_model(), evidence[:-1], evidence[-1:])

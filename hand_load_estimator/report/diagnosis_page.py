@@ -61,8 +61,8 @@ _PHYSICS = {
     'link_inertia': 'Mass, centre of mass or inertia of a link differ from the model\'s.',
     'external_contact': 'Something outside pushed the hand for a limited time, with one force in '
                         'the axes of the base.',
-    'load_change': 'For a time another load hung on the hand than the recording declares. The mass '
-                   'is the change: negative where the declared load, or a part of it, was gone.'}
+    'load_change': 'For a time another load hung on the hand than the recording declares. The '
+                   'mass is the change: negative where the declared load, or part of it, is gone.'}
 
 
 def _figure(number):

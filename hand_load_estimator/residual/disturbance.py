@@ -1,4 +1,4 @@
-"""Disturbances: what acts on the arm from outside for a time, found before any effect is traced."""
+"""Disturbances: what acts on the arm from outside for a time, found before the trace."""
 
 from dataclasses import dataclass, replace
 
@@ -24,9 +24,10 @@ LEFT_OUT = 0.1
 EDGE_STD = 0.02
 DELAY = 3.0 / BANDWIDTH    # [s] of the motion filter
 NEAR = 0.8                 # [s] within which an edge is looked for row by row
-# Parts of a recording shorter than this [s] are not kept.
-SHORTEST_PART = 1.0
-STEP = 0.1                 # of the joint's torque limit: size of a free step
+# Nothing is looked for in recordings shorter than this [s], and no shorter parts are kept.
+SHORTEST_RECORDING, SHORTEST_PART = 3.0, 1.0
+# Size of a free step, in units of the joint's torque limit.
+STEP = 0.1
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,9 @@ class Disturbances:
         self._residual, self._causes = residual, causes
         self._usual = Usual(model, residual)
         self._dt = float(np.median(residual.dt))
-        self._recordings = [slice(int(rows[0]), int(rows[-1]) + 1) for rows in
-                            (np.flatnonzero(residual.owner == k)
-                             for k in np.unique(residual.owner))]
+        owned = [np.flatnonzero(residual.owner == k) for k in np.unique(residual.owner)]
+        self._recordings = [slice(int(rows[0]), int(rows[-1]) + 1) for rows in owned
+                            if residual.dt[rows].sum() > SHORTEST_RECORDING]
         n = model.robot.n
         step = np.broadcast_to(np.eye(n), (len(residual.dt), n, n))
         self._steps = Kind('step', step * STEP * model.robot.limits.torque[:, None],
@@ -150,7 +151,7 @@ class Disturbances:
         self._usual.fit(np.where(rows[:, None], 0.0, self._residual.weights))
 
     def _measured(self, spans):
-        """Return the Disturbances of spans, the strongest first; of what overlaps, the stronger."""
+        """Return the Disturbances of spans; of what overlaps, the stronger."""
         left, found = sorted(spans, key=lambda span: -span[2]), []
         while left:
             span, *left = left
@@ -175,7 +176,7 @@ class Disturbances:
         if not found:
             return None
         cause, first, stop, _ = max(found, key=lambda one: one[3])
-        rows = self._recordings[int(self._residual.owner[first])]
+        rows = next(rows for rows in self._recordings if first < rows.stop)
         edges = [0.0, 0.0]
         for at_first in (True, False):
             edge, std = self._edge(cause.kind, rows, first, stop, at_first)

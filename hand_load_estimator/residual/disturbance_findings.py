@@ -6,7 +6,8 @@ from . import contact, load_change
 from .diagnosis import CONFIRMED, SUSPECTED, Evidence, Finding, Picture
 from .disturbance import TIE
 
-PARAMETERS = {contact.NAME: contact.contact_parameters, load_change.NAME: load_change.load_parameters}
+PARAMETERS = {contact.NAME: contact.contact_parameters,
+              load_change.NAME: load_change.load_parameters}
 ADVICE = {contact.NAME: 'hold the same while the hand turns and speeds up: a force from outside '
                         'does not turn with the hand and has no inertia',
           load_change.NAME: 'hold the same while the hand turns and speeds up: a load turns with '

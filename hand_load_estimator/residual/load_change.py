@@ -1,4 +1,4 @@
-"""Load changes: from some moment on, or until one, another load hangs on the hand than declared."""
+"""Load changes: for a time another load hangs on the hand than a recording declares."""
 
 import numpy as np
 
