@@ -20,11 +20,13 @@ from .beside_bayes import BesideBayes
 from .histogram import Histogram, entropy_of, normalised
 from .regression import MOVING
 
+# A step of 1.4 standard deviations at most: on a coarser lattice the entropy also changes with
+# where between candidates the peak lies, and the gate would refuse for that.
 POINTS = 7
 # Lattices laid for one sample at most; the first samples narrow the peak a hundredfold.
 ROUNDS = 3
 # The residual's variance remembers this much motion [s] plus its age so many times over.
-SCALE_MEMORY, AGES = 30.0, 2.0
+SCALE_MEMORY, AGES = 30.0, 4.0
 LARGEST_RATIO = 100.0
 LOCKED = 0.5
 # The inertia's lattices are laid this many samples apart: they narrow over seconds.

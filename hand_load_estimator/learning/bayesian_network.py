@@ -6,13 +6,13 @@ spread of networks drawn from them, and are fitted to those of the process; what
 are a few draws.
 """
 
-import numpy as np
 import torch
 from torch import nn
 
-from .joint_networks import BATCH, JointLayers, descend, divergence, places, run_layers
+from .joint_networks import (JointLayers, answers_to_learn, descend, divergence,
+                             run_layers)
 
-DRAWS, STEPS = 12, 1500
+DRAWS, STEPS = 8, 300
 FIRST_LOG_STD = -3.0
 
 
@@ -43,20 +43,17 @@ class _MeanField(nn.Module):
 
 def learn_bayesian_network(data, teacher, seed, write=lambda text: None):
     """Return tensors of NetworkDraws whose spread is teacher.at's over DifferenceData."""
-    rng, generator = np.random.default_rng(seed), torch.Generator().manual_seed(seed)
+    x, mean, variance = answers_to_learn(data, teacher, seed)
     with torch.random.fork_rng():
         torch.manual_seed(seed)
-        network = _MeanField(data.inputs.shape[1], data.inputs.shape[2])
+        network = _MeanField(len(x), x.shape[-1])
     # The draws are handed over, so they are what is fitted: fixed noise, free normals.
-    noise = network.noise(generator)
+    noise = network.noise(torch.Generator().manual_seed(seed))
 
     def loss():
-        x = places(data, rng, BATCH)
-        mean, variance = (torch.tensor(part.T) for part in
-                          teacher.at(x.swapaxes(0, 1).numpy()))
-        own, spread = run_layers(network.draw(noise), x)
-        predicted = own.var(dim=0, unbiased=False) + spread.exp().mean(dim=0)
-        return divergence(mean, variance, own.mean(dim=0), predicted).mean()
+        own, log_variance = run_layers(network.draw(noise), x)
+        spread = own.var(dim=0, unbiased=False) + log_variance.exp().mean(dim=0)
+        return divergence(mean, variance, own.mean(dim=0), spread).mean()
 
     descend(network.parameters(), loss, STEPS, write)
     return {name: value.detach().numpy() for name, value in network.draw(noise).items()}

@@ -1,4 +1,4 @@
-"""The no-load torque difference in recordings, as functions of it are learned from (E2.1, E2.5)."""
+"""The no-load torque difference in recordings: what functions of it learn from (E2.1, E2.5)."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 """
-What the no-load torque difference may be a function of (E2.1, E3.1): a joint's own motion and heat.
+What the no-load torque difference may be a function of: a joint's motion and heat (E2.1, E3.1).
 
 Learning and the estimator call the same function, so both see the same numbers.
 """

@@ -5,7 +5,7 @@ import torch
 from torch import nn
 
 HIDDEN = 24
-BATCH, RATE = 512, 5e-3
+PLACES = 512
 # Between these a logarithm of variance is believed, in units of the residual's variance.
 LOG_VARIANCE = (-12.0, 4.0)
 
@@ -46,29 +46,31 @@ def divergence(mean, variance, mean_of, variance_of):
 
 
 def descend(parameters, loss, steps, write):
-    """Lower loss() by Adam; the rate falls to nothing."""
-    parameters = list(parameters)
-    optimiser = torch.optim.Adam(parameters, RATE)
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
-    for step in range(steps):
+    """Lower a loss() that is the same at every call, by L-BFGS: small networks, few places."""
+    optimiser = torch.optim.LBFGS(list(parameters), max_iter=steps, history_size=30,
+                                  tolerance_change=1e-7, line_search_fn='strong_wolfe')
+
+    def closure():
         optimiser.zero_grad()
         value = loss()
         value.backward()
-        optimiser.step()
-        schedule.step()
-        if (step + 1) % 500 == 0:
-            write(f'step {step + 1} of {steps}: loss {float(value.detach()):.3f}')
+        return value
+
+    first = float(optimiser.step(closure).detach())
+    write(f'loss {first:.3f} fell to {float(loss().detach()):.3f}')
 
 
-def places(data, rng, count):
+def answers_to_learn(data, teacher, seed, count=PLACES):
     """
-    Return inputs (n, count, D) to compare functions at, as torch.
+    Return inputs (n, count, D) as torch, and teacher.at of them, (n, count) each.
 
     Half are where the data are, half anywhere in half as wide a region again around them.
     """
     total, n, width = data.inputs.shape
+    rng = np.random.default_rng(seed)
     low, high = data.inputs.min(axis=0), data.inputs.max(axis=0)
     middle, reach = 0.5 * (low + high), 0.75 * (high - low) + 1e-3
     anywhere = middle + reach * rng.uniform(-1.0, 1.0, (count - count // 2, n, width))
-    seen = data.inputs[rng.choice(total, count // 2)]
-    return torch.tensor(np.swapaxes(np.concatenate([seen, anywhere]), 0, 1))
+    x = np.concatenate([data.inputs[rng.choice(total, count // 2)], anywhere])
+    mean, variance = teacher.at(x)
+    return tuple(torch.tensor(np.swapaxes(part, 0, 1)) for part in (x, mean, variance))

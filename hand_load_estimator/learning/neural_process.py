@@ -12,11 +12,11 @@ import numpy as np
 import torch
 from torch import nn
 
-from .difference_data import left_out
-from .joint_networks import HIDDEN, LOG_VARIANCE, descend
 from ..estimators.network_draws import NetworkDraws
+from .difference_data import left_out
+from .joint_networks import HIDDEN, LOG_VARIANCE
 
-CODE, CONTEXT, STEPS = 16, 256, 1500
+CODE, CONTEXT, STEPS, RATE = 16, 256, 1500, 1e-2
 # Samples of one task lie in random stretches of so many, as recordings do.
 STRETCH = 64
 
@@ -51,7 +51,16 @@ def learn_neural_process(data, seed, write=lambda text: None):
     with torch.random.fork_rng():
         torch.manual_seed(seed)
         network = _NeuralProcess(data.inputs.shape[2]).double()
-    descend(network.parameters(), lambda: _loss(network, arrays, rng), STEPS, write)
+    optimiser = torch.optim.Adam(network.parameters(), RATE)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, STEPS)
+    for step in range(STEPS):
+        optimiser.zero_grad()
+        loss = _loss(network, arrays, rng)
+        loss.backward()
+        optimiser.step()
+        schedule.step()
+        if (step + 1) % 500 == 0:
+            write(f'step {step + 1} of {STEPS}: loss {float(loss.detach()):.3f}')
 
     def predict(rows):
         return NetworkDraws(_decoder(network, arrays, rows)).at
@@ -90,4 +99,4 @@ def _decoder(network, arrays, rows):
             'mid_weight': middle.weight.T.expand(n, -1, -1),
             'mid_bias': middle.bias.expand(n, -1),
             'out_weight': last.weight.T.expand(n, -1, -1), 'out_bias': last.bias.expand(n, -1)}
-    return {name: value.numpy()[None].copy() for name, value in weights.items()}
+    return {name: value.detach().numpy()[None].copy() for name, value in weights.items()}
