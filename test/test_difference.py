@@ -108,7 +108,7 @@ def test_e2_5_a_known_load_teaches_the_same():
     assert told.inputs.shape == data().inputs.shape
 
 
-def test_inputs_are_chosen_by_name():
+def test_e3_1_inputs_are_chosen_by_name():
     v = speeds(3)
     x = difference_inputs(('temperature', 'position'), v, 0 * v, 0 * v, 20.0 + 0 * v)
     np.testing.assert_allclose(x[..., 0], 2.0)

@@ -124,7 +124,7 @@ def test_e6_3_entropy_and_largest_probability_are_the_variance():
     assert 0.1 < np.sqrt(certain.belief()[1][0, 0]) / 0.75 < 0.4
 
 
-def test_e2_3_the_density_of_candidates_is_that_of_the_data():
+def test_e4_1_the_density_of_candidates_is_that_of_the_data():
     """With the inertia known, the log density is the weighted squared error of the torques."""
     rng = np.random.default_rng(2)
     robot = model().robot

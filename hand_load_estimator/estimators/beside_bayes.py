@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..load import message_from_shape
-from .gp_bayes import GpBayes
+from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior
 from .mass_place import MassPlacePosterior
@@ -14,7 +14,7 @@ from .weighting import joined_columns
 
 class BesideBayes:
     """
-    A Method with its own belief over its own sums, beside a GpBayes that watches for changes.
+    A Method with its own belief over its own sums, beside a Bayes that watches for changes.
 
     Subclasses: _restart() forgets candidates; _take(sample, prediction, columns) looks at one
     sample, whose prediction holds the offset torque, and counts it or not; _answer() returns
@@ -24,7 +24,7 @@ class BesideBayes:
     def __init__(self, model, uncertainties, function):
         robot = model.robot
         self._function, self._prior = function, load_prior(robot)
-        self._plain = GpBayes(model, uncertainties, function)
+        self._plain = Bayes(model, uncertainties)
         self._counted = LoadRegression(self._prior, robot.n, uncertainties,
                                        robot.effort.torque_constants_std, watch=False)
         self._restart()
@@ -53,10 +53,10 @@ class BesideBayes:
         """Take one sample; return the Belief after it."""
         self.settle()
         changes = self.changes
-        self._plain.update(sample, prediction)
+        corrected = self._function.corrected(sample, prediction)
+        self._plain.update(sample, corrected)
         if self.changes > changes:
             self._begin_anew()
-        corrected = self._function.corrected(sample, prediction)
         self._take(sample, corrected, joined_columns(corrected))
         return self.belief()
 

@@ -34,7 +34,7 @@ INERTIA_EVERY = 5
 MOMENTS, PRODUCTS_OF_INERTIA = [0, 3, 5], [1, 2, 4]
 
 
-@dataclass
+@dataclass(frozen=True)
 class ResidualScale:
     """
     How many times wider the residual's variance is than stated; at least 1.

@@ -60,9 +60,9 @@ def descend(parameters, loss, steps, write):
     write(f'loss {first:.3f} fell to {float(loss().detach()):.3f}')
 
 
-def answers_to_learn(data, teacher, seed, count=PLACES):
+def answers_to_learn(data, teacher, seed):
     """
-    Return inputs (n, count, D) as torch, and teacher.at of them, (n, count) each.
+    Return inputs (n, PLACES, D) as torch, and mean and variance (n, PLACES) of teacher.at there.
 
     Half are where the data are, half anywhere in half as wide a region again around them.
     """
@@ -70,7 +70,7 @@ def answers_to_learn(data, teacher, seed, count=PLACES):
     rng = np.random.default_rng(seed)
     low, high = data.inputs.min(axis=0), data.inputs.max(axis=0)
     middle, reach = 0.5 * (low + high), 0.75 * (high - low) + 1e-3
-    anywhere = middle + reach * rng.uniform(-1.0, 1.0, (count - count // 2, n, width))
-    x = np.concatenate([data.inputs[rng.choice(total, count // 2)], anywhere])
+    anywhere = middle + reach * rng.uniform(-1.0, 1.0, (PLACES - PLACES // 2, n, width))
+    x = np.concatenate([data.inputs[rng.choice(total, PLACES // 2)], anywhere])
     mean, variance = teacher.at(x)
     return tuple(torch.tensor(np.swapaxes(part, 0, 1)) for part in (x, mean, variance))
