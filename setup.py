@@ -30,8 +30,8 @@ setup(
     python_requires='>=3.11',
     # Without versions, so that a distribution's packages count; requirements.txt has the tested
     # ones. rclpy and the messages belong to ROS and are not asked of PyPI here.
-    install_requires=['matplotlib', 'mujoco', 'numpy', 'pin', 'PyYAML', 'rosbags', 'safetensors',
-                      'scipy', 'torch'],
+    install_requires=['evox', 'gpytorch', 'matplotlib', 'mujoco', 'numpy', 'pin', 'PyYAML',
+                      'rosbags', 'safetensors', 'scipy', 'torch'],
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
         'test': ['colcon-common-extensions', 'pytest'],

@@ -5,6 +5,8 @@ Each parameter stands with mean, std and unit; correlations stand at the end. Ed
 std changes just that; the covariance is rebuilt from standard deviations and correlations.
 """
 
+import hashlib
+import json
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +104,14 @@ def write_model(path, model):
     text = yaml.dump(model_content(model), Dumper=_Dumper, sort_keys=False, width=10 ** 6,
                      allow_unicode=True)
     Path(path).write_text(_HEADER + text, encoding='utf-8')
+
+
+def model_digest(model):
+    """Return a digest of what a TorqueModel predicts; the same before and after a file."""
+    uses = [[use.name, use.joint, dict(use.shape)] for use in model.uses]
+    text = json.dumps([model.robot.joints, model.robot.effort.kind, uses,
+                       [_number(value) for value in model.mean]])
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def read_model(path):

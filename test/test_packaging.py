@@ -22,7 +22,8 @@ EXECUTABLES = ('simulator_node', 'estimator_node', 'controller_node', 'hand_load
 KEYS = {'yaml': 'python3-yaml', 'numpy': 'python3-numpy', 'scipy': 'python3-scipy',
         'matplotlib': 'python3-matplotlib', 'torch': 'python3-pytorch-pip',
         'mujoco': 'python3-mujoco-pip', 'rosbags': 'python3-rosbags-pip',
-        'safetensors': 'python3-safetensors-pip'}
+        'safetensors': 'python3-safetensors-pip', 'gpytorch': 'python3-gpytorch-pip',
+        'evox': 'python3-evox-pip'}
 OPTIONAL = {'control_msgs'}
 
 

@@ -1,8 +1,10 @@
 """What is shipped for the default robot is there, fits, and is what it says."""
 
 from hand_load_estimator import seeds
-from hand_load_estimator.estimators.build import build_pipeline, shipped_artefact
+from hand_load_estimator.estimators.build import (build_pipeline, METHODS, shipped_artefact,
+                                                  shipped_difference)
 from hand_load_estimator.learning.artefact import read_artefact
+from hand_load_estimator.learning.difference_artefact import read_difference
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.robot import load_robot
@@ -30,3 +32,14 @@ def test_the_artefact_is_small_and_its_card_tells_recipe_seed_and_scores():
     assert all(0.9 <= share <= 0.99 for share in held_out.values())
     model = read_model(find_shared('ur10e', 'models'))
     assert card['model_recordings'] == list(model.recordings)
+
+
+def test_the_shipped_model_has_a_learned_difference_of_its_own():
+    model = read_model(find_shared('ur10e', 'models'))
+    folder = shipped_difference(model)
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
+    card = read_difference(folder, model).card
+    assert card['function'] == 'gp' and card['recordings'] == list(model.recordings)
+    for name in METHODS:
+        if name.startswith('gp_'):
+            assert build_pipeline('ur10e', name).method.name == name

@@ -16,9 +16,11 @@ def add_arguments(parser):
                         help='torque model, or the name of a shipped one')
     parser.add_argument('--out', required=True, metavar='FILE.json', help='result to write')
     parser.add_argument('--method', default='lstm', metavar='NAME',
-                        help='lstm or bayes (default: lstm; bayes where the arm has no artefact)')
+                        help='lstm, bayes, gp_histogram, gp_bayes, gp_swarm, gp_evolution, '
+                        'gp_annealing (default: lstm; bayes where the arm has no artefact)')
     parser.add_argument('--learned', default=None, metavar='DIR',
-                        help='learned artefact (default: the shipped one of the robot)')
+                        help='learned artefact (default: the shipped one of the robot; for gp_... '
+                        'of the model)')
     add_recording_arguments(parser)
 
 

@@ -23,16 +23,12 @@ def add_arguments(parser):
     add_recording_arguments(parser)
 
 
-def run(args):
-    """Identify, write the model and say how good it is."""
-    from ..identification import identify, prepare
+def read_evidence(robot, args):
+    """Return a list of Evidence: recordings of the arguments, with --load or their load.yaml."""
+    from ..identification import prepare
     from ..joint_stream import motion_of
     from ..load_file import load_of_argument
-    from ..model_file import write_model
     from ..recording import read_recording
-    from ..robot import load_robot
-    from ..shared_files import find_shared
-    robot = load_robot(find_shared(args.robot, 'robots'))
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = []
     for path in args.recordings:
@@ -42,6 +38,17 @@ def run(args):
         evidence.append(prepare(robot, Path(path).name, motion, load))
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
              f'{sum(rejected.values())}')
+    return evidence
+
+
+def run(args):
+    """Identify, write the model and say how good it is."""
+    from ..identification import identify
+    from ..model_file import write_model
+    from ..robot import load_robot
+    from ..shared_files import find_shared
+    robot = load_robot(find_shared(args.robot, 'robots'))
+    evidence = read_evidence(robot, args)
     effects = args.effects.split(',') if args.effects else None
     model = identify(robot, evidence, effects, progress=_say)
     write_model(args.out, model)

@@ -1,5 +1,7 @@
 """Method `bayes`: recursive Bayesian regression with physics for weights (E7.3, eq. 13-14)."""
 
+import numpy as np
+
 from .load_prior import load_prior
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
@@ -8,7 +10,12 @@ from .weighting import innovation_of, joined_columns
 
 
 class Bayes:
-    """Estimate the load without any learned part; works for every robot with a torque model."""
+    """
+    Estimate the load without any learned part; works for every robot with a torque model.
+
+    innovation, spread (n,): what the last sample said that was not expected [Nm], and its
+    variance by the belief about the load before it [Nm^2].
+    """
 
     name = 'bayes'
 
@@ -19,6 +26,7 @@ class Bayes:
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._known = self._regression.known()
+        self.innovation, self.spread = np.zeros((2, robot.n))
 
     @property
     def changes(self):
@@ -49,6 +57,7 @@ class Bayes:
         if self._rest.update(sample, innovation, spread):
             self._regression.begin_anew(sample.stamp)
             self._watch.clear()
+        self.innovation, self.spread = innovation, spread
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
@@ -62,6 +71,11 @@ class Bayes:
         if self.changes > changes:
             self._watch.clear()
         self._known = self._regression.known()
+
+    @property
+    def nuisances(self):
+        """The model's uncertain directions (r,), as the present belief has them."""
+        return self._known[10:]
 
     def belief(self):
         """Return the present Belief."""

@@ -4,16 +4,20 @@ import json
 from pathlib import Path
 
 from ..errors import ConfigurationError
+from ..learning import difference_artefact
 from ..learning.artefact import CARD, read_artefact
-from ..model_file import read_model
+from ..model_file import model_digest, read_model
 from ..robot import load_robot
 from ..shared_files import find_shared, share_folder
 from ..torque_model import ModelFollower
 from .bayes import Bayes
+from .difference_function import DifferenceFunction
+from .gp_bayes import GpBayes
+from .gp_histogram import GpHistogram
+from .gp_search import GpAnnealing, GpEvolution, GpSwarm
 from .lstm import Lstm
 from .pipeline import Pipeline
 
-METHODS = ('lstm', 'bayes')
 # A parameter counts as determined below these standard deviations, as fractions of the rated
 # mass, in metres, and as a fraction of the rated load's largest moment of inertia.
 DETERMINED = (0.01, 0.01, 0.1)
@@ -40,22 +44,59 @@ def shipped_artefact(robot):
     return None
 
 
+def shipped_difference(model):
+    """Return the folder of the torque difference shipped for a TorqueModel, or None."""
+    digest = model_digest(model)
+    learned = share_folder() / 'config' / 'learned'
+    for card in sorted(learned.glob(f'*/{difference_artefact.CARD}')):
+        if json.loads(card.read_text(encoding='utf-8')).get('model') == digest:
+            return card.parent
+    return None
+
+
+def _bayes(model, uncertainties, learned):
+    if learned:
+        raise ConfigurationError('learned', 'goes with methods that learn, not with bayes',
+                                 learned)
+    return Bayes(model, uncertainties)
+
+
+def _lstm(model, uncertainties, learned):
+    folder = Path(learned) if learned else shipped_artefact(model.robot)
+    if folder is None:
+        return Bayes(model, uncertainties)
+    return Lstm(model, uncertainties, read_artefact(folder, model.robot))
+
+
+def _on_difference(method):
+    """Return the builder of a Method class that takes a DifferenceFunction."""
+    def build(model, uncertainties, learned):
+        folder = Path(learned) if learned else shipped_difference(model)
+        if folder is None:
+            raise ConfigurationError(f'method {method.name}', 'needs a learned torque difference '
+                                     'of this model, and none is shipped',
+                                     todo=difference_artefact.AGAIN + ' and give it as learned')
+        artefact = difference_artefact.read_difference(folder, model)
+        return method(model, uncertainties, DifferenceFunction(model, artefact))
+    return build
+
+
+# name -> builder(model, uncertainties, learned folder or None) of a Method
+METHODS = {'lstm': _lstm, 'bayes': _bayes,
+           **{method.name: _on_difference(method) for method in (
+               GpHistogram, GpBayes, GpSwarm, GpEvolution, GpAnnealing)}}
+
+
 def build_method(model, uncertainties, name, learned=None):
     """
     Return the Method of a name for a TorqueModel.
 
     learned: artefact folder, or None for the shipped one; without any, `lstm` becomes `bayes`
-    and the method's name says so.
+    and the method's name says so, while methods on a learned torque difference fail.
     """
     if name not in METHODS:
         raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
-    if name == 'lstm':
-        folder = Path(learned) if learned else shipped_artefact(model.robot)
-        if folder is not None:
-            return Lstm(model, uncertainties, read_artefact(folder, model.robot))
-    elif learned:
-        raise ConfigurationError('learned', 'goes with method lstm only', learned)
-    return Bayes(model, uncertainties)
+    return METHODS[name](model, uncertainties, learned)
 
 
 def _check_robot(model, path, robot):

@@ -143,18 +143,29 @@ def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
     gain_doubt: relative standard deviation of each joint's torque constant; tare: covariance
     (10, 10) of the products that were declared zero, or None.
     """
-    matrix, vector = information.load_share()
-    if tare is not None:
-        # An offset of covariance S_t in the products: information (L^-1 + S_t)^-1.
-        shrink = np.linalg.inv(np.eye(10) + matrix @ tare)
-        matrix, vector = shrink @ matrix, shrink @ vector
+    matrix, vector = share_less_tare(information, tare)
     shape, covariance = shape_posterior(matrix, vector, prior, start)
     if gain_doubt > 0.0:
-        # d u / d eps_i of a load torque misread by (1 + eps_i) on joint i alone.
-        products, jacobian = products_and_jacobian_of_shape(shape)
-        moved = covariance @ jacobian.T @ information.vectors_by_joint(products).T
-        covariance = covariance + gain_doubt ** 2 * moved @ moved.T
+        covariance = covariance + gain_covariance(information, shape, covariance, gain_doubt)
     return Posterior(shape, covariance)
+
+
+def share_less_tare(information, tare):
+    """Return the load_share of an Information, with the doubt about what tare declared zero."""
+    matrix, vector = information.load_share()
+    if tare is None:
+        return matrix, vector
+    # An offset of covariance S_t in the products: information (L^-1 + S_t)^-1.
+    shrink = np.linalg.inv(np.eye(10) + matrix @ tare)
+    return shrink @ matrix, shrink @ vector
+
+
+def gain_covariance(information, shape, covariance, gain_doubt):
+    """Return what doubtful torque constants add to a covariance (10, 10) in shape order."""
+    # d u / d eps_i of a load torque misread by (1 + eps_i) on joint i alone.
+    products, jacobian = products_and_jacobian_of_shape(shape)
+    moved = covariance @ jacobian.T @ information.vectors_by_joint(products).T
+    return gain_doubt ** 2 * moved @ moved.T
 
 
 def message_covariance(shape, covariance):

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..load import products_jacobian_of_shape
 from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
-from .information import posterior_of
+from .information import gain_covariance, posterior_of, share_less_tare
 from .method import Belief
 
 # Data older than this much motion [s] fade: friction drifts as joints warm.
@@ -61,6 +61,15 @@ class LoadRegression:
         self.posterior = self._solve()
         self._start = self.posterior.shape
         return self.posterior
+
+    def load_information(self):
+        """Return matrix (10, 10), vector (10,): what all data so far say about the products."""
+        self._total = self._recent.total()
+        return share_less_tare(self._total, self._tare)
+
+    def gain_covariance(self, shape, covariance):
+        """Return what doubtful torque constants add to a belief (10,), (10, 10) in shape order."""
+        return gain_covariance(self._total, shape, covariance, self._gain_doubt)
 
     def known(self):
         """

@@ -1,0 +1,44 @@
+"""`hand_load learn-gp`: what a torque model leaves without load, learned for methods gp_..."""
+
+from pathlib import Path
+import sys
+
+from .identify import read_evidence
+from .recording_arguments import add_recording_arguments
+
+EXAMPLE = 'hand_load learn-gp run1 run2 --model model.yaml --out learned/my_arm_gp'
+
+
+def add_arguments(parser):
+    """Declare the arguments."""
+    parser.add_argument('recordings', nargs='+', metavar='BAG',
+                        help='rosbag2 recordings without load or with a known one')
+    parser.add_argument('--model', required=True, metavar='MODEL.yaml',
+                        help='torque model whose residual is learned')
+    parser.add_argument('--out', required=True, metavar='DIR', help='folder of the artefact')
+    parser.add_argument('--function', default='gp', metavar='NAME',
+                        help='gp, neural_process, distilled or bayesian_network (default: gp)')
+    parser.add_argument('--inputs', default='velocity,temperature', metavar='a,b,...',
+                        help="of a joint's position, velocity, acceleration, temperature "
+                        '(default: %(default)s)')
+    parser.add_argument('--load', metavar='none|L.yaml', default=None,
+                        help='load in all recordings; without it each load.yaml says')
+    add_recording_arguments(parser)
+
+
+def run(args):
+    """Learn, write the artefact and say what it takes off the residual."""
+    from ..learning.difference_inputs import parse_inputs
+    from ..learning.learn_difference import learn_difference
+    from ..model_file import read_model
+    from ..shared_files import find_shared
+    names = parse_inputs(args.inputs)
+    model = read_model(find_shared(args.model, 'models'))
+    evidence = read_evidence(model.robot, args)
+    result = learn_difference(args.out, model, evidence, args.function, names,
+                              write=lambda text: print(text, file=sys.stderr, flush=True))
+    print(f'artefact in {Path(args.out)}')
+    print('low-frequency residual on recordings left out, with it over without it:')
+    for name, share in zip(model.robot.joints, result.share):
+        print(f'{name:24s} {share:5.2f}')
+    return 0

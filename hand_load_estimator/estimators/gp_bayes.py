@@ -1,0 +1,17 @@
+"""Method `gp_bayes`: learned no-load difference, then Bayesian regression (E2.2, eq. 13-14)."""
+
+from .bayes import Bayes
+
+
+class GpBayes(Bayes):
+    """`bayes` on the offset torque that a DifferenceFunction leaves, weighed by its variance."""
+
+    name = 'gp_bayes'
+
+    def __init__(self, model, uncertainties, function):
+        super().__init__(model, uncertainties)
+        self._function = function
+
+    def update(self, sample, prediction):
+        """Take one sample; return the Belief after it."""
+        return super().update(sample, self._function.corrected(sample, prediction))

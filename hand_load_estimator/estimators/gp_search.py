@@ -1,0 +1,112 @@
+"""
+Methods `gp_swarm`, `gp_evolution`, `gp_annealing`: a search for the best load (E2.7).
+
+In place of the histogram a library looks for the mass and centre of mass with the largest
+posterior density, at intervals and over all data so far; the variance comes from the density's
+curvature there, the inertia by its normal density given them. A search begins around the last
+answer, along the axes of its covariance, and is the same on every run.
+"""
+
+import numpy as np
+from scipy.optimize import differential_evolution, dual_annealing
+
+from .beside_bayes import BesideBayes
+from .regression import MOVING
+
+# Searches follow each other after so much motion [s]: quickly at first, when most is learnt.
+EARLY, INTERVAL, EARLY_FOR = 0.1, 0.5, 1.0
+# Standard deviations that a search looks away from where the last one ended.
+REACH = 6.0
+SEED = 1
+
+
+class GpSearch(BesideBayes):
+    """
+    Estimate the load as the best point a search finds; subclasses bring the search.
+
+    _search(cost) returns the best u (4,) in [-1, 1]; cost (N, 4) -> (N,) nats above the start's.
+    """
+
+    def _restart(self):
+        prior = self._prior
+        self._place, self._covariance = prior.mean[:4], np.diag(prior.std[:4] ** 2)
+        self._inertia = prior.mean[4:], np.diag(prior.std[4:] ** 2), np.zeros((6, 4))
+        self._moved, self._next = 0.0, EARLY
+        self._counted.load_information()
+
+    def _take(self, sample, prediction, columns):
+        self._counted.add(sample, columns, prediction.difference,
+                          sample.dt / prediction.density)
+        self._moved += sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
+
+    def settle(self):
+        """Look for a load change, and search where it is time to."""
+        super().settle()
+        if self._moved < self._next:
+            return
+        self._next = self._moved + (EARLY if self._moved < EARLY_FOR else INTERVAL)
+        posterior = self._posterior(self._place[0])
+        axes = REACH * np.linalg.cholesky(self._covariance)
+        start = posterior.log_density(self._place[None])
+
+        def cost(u):
+            density = posterior.log_density(self._place + u @ axes.T)
+            return np.minimum(start - density, 1e9)
+
+        found = self._place + axes @ self._search(cost)
+        self._place, self._covariance = found, posterior.curvature(found)
+        given = posterior.inertia_given(found)
+        self._inertia = given.mean, given.covariance, given.slope
+
+    def _answer(self):
+        return self._joined(self._place, self._covariance, *self._inertia)
+
+
+class GpEvolution(GpSearch):
+    """Differential evolution, scipy's genetic algorithm for real numbers."""
+
+    name = 'gp_evolution'
+
+    def _search(self, cost):
+        return differential_evolution(
+            lambda u: cost(u.T), [(-1.0, 1.0)] * 4, popsize=10, maxiter=30, vectorized=True,
+            updating='deferred', polish=False, x0=np.zeros(4), rng=SEED).x
+
+
+class GpAnnealing(GpSearch):
+    """Simulated annealing in scipy's generalised form."""
+
+    name = 'gp_annealing'
+
+    def _search(self, cost):
+        return dual_annealing(lambda u: float(cost(u[None])[0]), [(-1.0, 1.0)] * 4, maxiter=100,
+                              no_local_search=True, x0=np.zeros(4), rng=SEED).x
+
+
+class GpSwarm(GpSearch):
+    """Particle swarm of evox, which runs on torch."""
+
+    name = 'gp_swarm'
+    PARTICLES, STEPS = 40, 30
+
+    def _search(self, cost):
+        # Loading torch takes seconds; only who asks for a swarm waits.
+        import torch
+        from evox.algorithms import PSO
+        from evox.core import Problem
+        from evox.workflows import StdWorkflow
+
+        class Density(Problem):
+            """The cost as evox calls it."""
+
+            def evaluate(self, pop):
+                return torch.tensor(cost(pop.numpy().astype(float)), dtype=pop.dtype)
+
+        with torch.random.fork_rng(), torch.no_grad():
+            torch.manual_seed(SEED)
+            swarm = PSO(self.PARTICLES, -torch.ones(4), torch.ones(4), device=torch.device('cpu'))
+            workflow = StdWorkflow(swarm, Density())
+            workflow.init_step()
+            for _ in range(self.STEPS):
+                workflow.step()
+        return swarm.global_best_location.numpy().astype(float)

@@ -1,0 +1,50 @@
+"""Learn a function of the no-load torque difference from recordings and write it (E2.1, E2.6)."""
+
+import torch
+
+from ..errors import ConfigurationError
+from ..estimators.inducing_points import InducingPoints
+from .bayesian_network import learn_bayesian_network
+from .difference_artefact import PREDICTORS, write_difference
+from .difference_data import difference_data
+from .difference_inputs import DEFAULT_INPUTS
+from .distilled_network import distil
+from .neural_process import learn_neural_process
+from .torque_gp import learn_gp
+
+SEED = 1
+
+
+def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUTS, seed=SEED,
+                     write=lambda text: None):
+    """
+    Learn from a list of Evidence what a TorqueModel leaves, write the artefact into `folder`.
+
+    function: a name of PREDICTORS; names: inputs. Return the LeftOut.
+    """
+    if function not in PREDICTORS:
+        raise ConfigurationError('--function', 'is not known', function, ', '.join(PREDICTORS))
+    torch.set_num_threads(1)
+    data = difference_data(model, evidence, names)
+    tensors, result = _learned(data, function, seed, write)
+    write_difference(
+        folder, model, function, names,
+        {**tensors, 'scale': data.scale, 'share': result.share,
+         'left_out_variance': result.variance},
+        {'recordings': [e.name for e in evidence],
+         'known_load': any(e.held is not None for e in evidence), 'seed': seed,
+         'samples': len(data.dt),
+         'left_out_density_share': [round(float(v), 4) for v in result.share]})
+    return result
+
+
+def _learned(data, function, seed, write):
+    """Return (tensors of the predictor, LeftOut)."""
+    if function == 'neural_process':
+        return learn_neural_process(data, seed, write)
+    tensors, result = learn_gp(data, seed, write)
+    if function == 'gp':
+        return tensors, result
+    # Both learn to answer as the process does, and are as good as it where it was judged.
+    follow = {'distilled': distil, 'bayesian_network': learn_bayesian_network}[function]
+    return follow(data, InducingPoints(tensors), seed, write), result
