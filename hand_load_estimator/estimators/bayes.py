@@ -1,5 +1,6 @@
 """Method `bayes`: recursive Bayesian regression with physics for weights (E7.3, eq. 13-14)."""
 
+from .contact_gate import ContactGate
 from .load_prior import load_prior
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
@@ -18,6 +19,8 @@ class Bayes:
                                           robot.effort.torque_constants_std)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
+        self._gate = ContactGate(robot.joints, model.residuals.rmse, model.friction_level(),
+                                 self._regression.change, robot.effort.torque_constants_std)
         self._known = self._regression.known()
 
     @property
@@ -38,17 +41,19 @@ class Bayes:
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._watch.reason
+        return self._gate.reason or self._watch.reason
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
-        innovation, spread, _ = innovation_of(prediction, columns, self._known,
-                                              self._regression.posterior)
+        innovation, spread, torque = innovation_of(prediction, columns, self._known,
+                                                   self._regression.posterior)
+        if self._gate.update(prediction, innovation, torque, sample.dt):
+            return self.belief()
         if self._rest.update(sample, innovation, spread):
             self._regression.begin_anew(sample.stamp)
-            self._watch.clear()
+            self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
@@ -60,7 +65,7 @@ class Bayes:
         changes = self.changes
         self._regression.look_for_change()
         if self.changes > changes:
-            self._watch.clear()
+            self._clear_watches()
         self._known = self._regression.known()
 
     def belief(self):
@@ -70,11 +75,26 @@ class Bayes:
     def forget(self):
         """Forget the load."""
         self._regression.forget()
-        self._watch.clear()
+        self._clear_watches()
         self._known = self._regression.known()
 
     def tare(self):
         """Make what is held now the new zero."""
         self._regression.tare()
+        self._clear_watches()
+        self._known = self._regression.known()
+
+    def _clear_watches(self):
         self._watch.clear()
+        self._gate.clear()
+
+    def state(self):
+        """Return the state of the regression."""
+        return self._regression.state()
+
+    def restore(self, state):
+        """Go on from a state()."""
+        self._regression.restore(state)
+        self._clear_watches()
+        self._rest.restart()
         self._known = self._regression.known()

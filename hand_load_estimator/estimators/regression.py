@@ -3,9 +3,10 @@
 import numpy as np
 
 from ..load import products_jacobian_of_shape
+from ..torque_model import DRIFTS
 from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
-from .information import posterior_of
-from .method import Belief
+from .information import Information, posterior_of
+from .method import Belief, checked
 
 # Data older than this much motion [s] fade: friction drifts as joints warm.
 MEMORY = 120.0
@@ -21,8 +22,8 @@ class LoadRegression:
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; watch: look for load changes in motion.
-    changes counts load changes; last_change is the
-    stamp of the newest, or None.
+    changes counts load changes; last_change is the stamp of the newest, or None. change (10, 10):
+    covariance of what the products may change by when the load does.
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
@@ -30,6 +31,7 @@ class LoadRegression:
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change = 0, None
+        self.change = _change_covariance(prior)
         self._turn, self._unchecked = 0, None
         self.posterior = self._solve()
 
@@ -52,7 +54,7 @@ class LoadRegression:
             return
         older, recent = split
         mean, covariance = self._older_belief(older)
-        if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
+        if log_bayes_factor(recent, mean, covariance, self.change) > EVIDENCE:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp)
 
@@ -90,6 +92,33 @@ class LoadRegression:
         self._tare = self.posterior.products_covariance
         self.forget()
 
+    def state(self):
+        """Return {name: array}: what restore() goes on from."""
+        total = self._recent.total()
+        return {'matrix': total.matrix, 'vector': total.vector, 'by_joint': total.by_joint,
+                'start': self._start, 'zero': self._zero,
+                'tare': np.zeros((10, 10)) if self._tare is None else self._tare}
+
+    def restore(self, state):
+        """
+        Go on from a state() of another run; ValueError when it does not fit.
+
+        What drifts between runs (offset and friction of each joint) is found anew. All data are
+        older ones now, which recent ones are tested against: a load exchanged since is noticed.
+        """
+        n, size = self._recent.size
+        shapes = {'matrix': (10 + size, 10 + size), 'vector': (10 + size,),
+                  'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
+        state = checked(state, shapes)
+        total = Information(n, size)
+        total.matrix, total.vector = state['matrix'], state['vector']
+        total.by_joint = state['by_joint']
+        self._recent.begin_with(total.without_last(DRIFTS * n))
+        self._unchecked = None
+        self._start, self._zero = state['start'], state['zero']
+        self._tare = state['tare'] if state['tare'].any() else None
+        self.update_posterior()
+
     def belief(self):
         """Return the Belief of the last posterior."""
         return Belief(self.posterior.mean, self.posterior.covariance)
@@ -109,14 +138,14 @@ class LoadRegression:
         """Return the belief (d,), (d, d) about load and nuisances from older data."""
         posterior = posterior_of(older, self._prior, self._start)
         precision = older.matrix.copy()
-        precision[:10, :10] += np.linalg.inv(self._change_covariance())
+        precision[:10, :10] += np.linalg.inv(self.change)
         precision[range(10, len(precision)), range(10, len(precision))] += 1.0
         mean = np.concatenate([posterior.products, older.nuisance_given(posterior.products)])
         return mean, np.linalg.inv(precision)
 
-    def _change_covariance(self):
-        """Return (10, 10): what the products may change by when the load does."""
-        shape = self._prior.mean.copy()
-        shape[0] = max(shape[0], LEAST_CHANGE_MASS)
-        jacobian = products_jacobian_of_shape(shape)
-        return jacobian @ np.diag(self._prior.std ** 2) @ jacobian.T
+
+def _change_covariance(prior):
+    shape = prior.mean.copy()
+    shape[0] = max(shape[0], LEAST_CHANGE_MASS)
+    jacobian = products_jacobian_of_shape(shape)
+    return jacobian @ np.diag(prior.std ** 2) @ jacobian.T
