@@ -1,0 +1,86 @@
+"""The estimator node is killed and goes on; it suggests a motion; it knows its tool."""
+
+import math
+import signal
+
+from arm_data import arm_samples, Feeder
+import numpy as np
+from std_srvs.srv import Trigger
+from test_nodes_estimator import Estimator
+from trajectory_msgs.msg import JointTrajectory
+
+from hand_load_estimator.nodes.qos import LATCHED
+
+
+def standing(seconds=1.0):
+    """Return samples of the arm before it moves."""
+    _, q, v, effort = arm_samples((3.0,))[0]
+    return [(k / 250.0, q, 0.0 * v, effort) for k in range(int(250 * seconds))]
+
+
+def started(start, listener, *arguments):
+    """Return an Estimator and a Feeder it listens to."""
+    estimator, feeder = Estimator(start, listener, *arguments), Feeder(listener)
+    listener.until(lambda: estimator.heard['status'], 30.0, 'a status')
+    feeder.wait()
+    feeder.warm()
+    return estimator, feeder
+
+
+def test_killed_it_goes_on_where_it_was(start, listener, tmp_path):
+    path = tmp_path / 'load.checkpoint'
+    estimator, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    feeder.play(arm_samples((3.0,)))
+    listener.spin(2.5)
+    mass, std = estimator.mass()
+    assert abs(mass - 3.0) < max(0.15, 4.0 * std)
+    assert estimator.stopped(signal.SIGKILL)[0] == -signal.SIGKILL and path.is_file()
+    again, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    listener.until(lambda: again.values().get('checkpoint', '').startswith('restored'), 5.0,
+                   'the word that it was restored')
+    assert again.values()['determined'].startswith('1'), 'before any joint state'
+    feeder.play(standing())
+    listener.until(lambda: again.heard['load_variance'], 5.0, 'an estimate')
+    first = again.heard['load'][0].inertia.m, math.sqrt(again.heard['load_variance'][0].inertia.m)
+    assert abs(first[0] - mass) < std and 0.8 * std < first[1] < 1.25 * std
+    assert again.status() in ('DETERMINED', 'STALE_INPUT') and again.values()['load_id'] == '0'
+    listener.until(lambda: 'restored' in again.said('checkpoint')[0], 5.0, 'diagnostics')
+    assert again.stopped(signal.SIGTERM)[0] == 0
+    assert [p.name for p in tmp_path.iterdir()] == ['load.checkpoint']
+
+
+def test_a_checkpoint_it_cannot_use_does_not_stop_it(start, listener, tmp_path):
+    path = tmp_path / 'load.checkpoint'
+    path.write_bytes(b'not a checkpoint at all')
+    estimator, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    feeder.play(standing())
+    listener.until(lambda: 'refused' in estimator.said('checkpoint')[0], 5.0, 'a warning')
+    assert 'damaged' in estimator.values()['checkpoint']
+    assert estimator.values()['determined'].startswith('0')
+    assert estimator.stopped(signal.SIGTERM)[0] == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['load.checkpoint',
+                                                          'load.checkpoint.refused']
+
+
+def test_a_checkpoint_in_no_folder_is_a_wrong_parameter(start, tmp_path):
+    node = start('estimator', '--ros-args', '-p', f'checkpoint:={tmp_path}/none/file')
+    assert node.wait(30.0) == 2
+    assert 'checkpoint' in node.output and node.output.count('\n') == 1, node.output
+
+
+def test_it_suggests_a_motion_and_knows_its_tool(start, listener, tmp_path):
+    tool = tmp_path / 'tool.yaml'
+    tool.write_text('mass: 1.25\ncom: [0, 0, 0.05]\nstd: {mass: 0.01}\n')
+    estimator, feeder = started(start, listener, '-p', f'tool:={tool}')
+    heard = listener.listen(JointTrajectory, 'estimator/suggested_motion', LATCHED)
+    answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request())
+    assert not answer.success and 'no joint states' in answer.message
+    feeder.play(standing())
+    answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request(), timeout=30.0)
+    assert answer.success and 'not determined: mass' in answer.message, answer.message
+    listener.until(lambda: heard, 5.0, 'the motion')
+    points = heard[-1].points
+    assert list(heard[-1].joint_names) == list(feeder.joints) and len(points) == 2
+    np.testing.assert_allclose(points[-1].positions, standing()[0][1], atol=1e-3)
+    assert not any(points[-1].velocities)
+    assert estimator.values()['tool mass [kg]'] == '1.25'
