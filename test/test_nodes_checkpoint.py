@@ -4,11 +4,15 @@ import math
 import signal
 
 from arm_data import arm_samples, Feeder
+from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
 import numpy as np
+import pytest
 from std_srvs.srv import Trigger
 from test_nodes_estimator import Estimator
 from trajectory_msgs.msg import JointTrajectory
 
+from hand_load_estimator.nodes.checkpoint_keeper import CheckpointKeeper
+from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.qos import LATCHED
 
 
@@ -25,6 +29,58 @@ def started(start, listener, *arguments):
     feeder.wait()
     feeder.warm()
     return estimator, feeder
+
+
+@pytest.fixture(scope='module')
+def pipeline():
+    """Return a pipeline that has found a load."""
+    found = warm(pipeline_of(exact_model('four')))
+    feed(found, messages(exact_model('four'), block(2.0), 2.0))
+    return found
+
+
+def test_the_keeper_writes_the_newest_state_and_restores_it(pipeline, tmp_path):
+    keeper = CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    keeper.restore(pipeline)
+    assert keeper.report()[:2] == (OK, 'no file yet')
+    for _ in range(20):
+        keeper.keep(pipeline, even_if_old=True)
+    keeper.stop(pipeline)
+    assert keeper.report()[2]['written before [s]'] < 10.0
+    fresh, again = pipeline_of(exact_model('four')), CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    again.restore(fresh)
+    assert again.told.startswith('restored as it was')
+    np.testing.assert_allclose(fresh.method.belief().mean, pipeline.method.belief().mean,
+                               rtol=1e-3, atol=1e-4)
+    again.stop(fresh)
+
+
+def test_what_is_in_the_file_already_is_not_written_again(pipeline, tmp_path):
+    keeper = CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    written = (tmp_path / 'c').stat().st_mtime_ns
+    keeper.keep(pipeline)
+    assert (tmp_path / 'c').stat().st_mtime_ns == written
+
+
+def test_a_disk_that_takes_nothing_is_told(pipeline, tmp_path):
+    folder = tmp_path / 'gone'
+    folder.mkdir()
+    keeper = CheckpointKeeper(str(folder / 'c'), 60.0)
+    folder.rmdir()
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    level, message, _ = keeper.report()
+    assert level == WARN and 'cannot be written' in message
+
+
+def test_without_a_file_nothing_is_kept(pipeline):
+    keeper = CheckpointKeeper('', 60.0)
+    keeper.restore(pipeline)
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    assert keeper.report()[:2] == (OK, 'none')
 
 
 def test_killed_it_goes_on_where_it_was(start, listener, tmp_path):

@@ -14,8 +14,9 @@ import numpy as np
 LIMIT_PER_JOINT, SHARE = 7.0, 0.05
 # The usual c is a mean over this memory [s]; more than usual is sudden.
 MEMORY = 5.0
-# So many seconds in a row are a contact; it is over after so many without.
-SHORTEST, OVER = 0.05, 0.2
+# So many seconds in a row are a contact. It is over after so many with the believed load, or
+# after so many that another load explains: a push may look like one for a while.
+SHORTEST, OVER, OVER_WITH_ANOTHER = 0.05, 0.1, 1.0
 # After so long [s] it is not sudden any more: let through, or a misread load is never found.
 LONGEST = 8.0
 # Static friction may exceed the Coulomb level by this factor.
@@ -51,11 +52,13 @@ class ContactGate:
         Return whether to leave the sample out.
         """
         unexplained, left, alone = self._unexplained(prediction, innovation, load_torque)
-        over = unexplained > self._limit * max(self._usual, 1.0) and unexplained > SHARE * alone
+        limit = self._limit * max(self._usual, 1.0)
+        over = unexplained > limit and unexplained > SHARE * alone
         if not over:
             self._usual += min(dt / MEMORY, 1.0) * (unexplained / len(left) - self._usual)
         self._beyond = self._beyond + dt if over else 0.0
-        self._calm = 0.0 if over else self._calm + dt
+        calm = dt if alone < limit else dt * OVER / OVER_WITH_ANOTHER
+        self._calm = 0.0 if over else self._calm + calm
         contact = self._beyond >= SHORTEST or bool(self.reason and self._calm < OVER)
         self._lasting = self._lasting + dt if contact or over else 0.0
         if self._lasting > LONGEST:
