@@ -1,8 +1,9 @@
 """
 Suggest the smallest joint motion that would determine what is not determined of the load.
 
-Candidates are there-and-back motions of one or two joints from where the arm stands. What each
-would tell is summed as the estimator will sum it (information.py): the load's columns weighted by
+Candidates are there-and-back motions from where the arm stands: of one joint, of two wrist
+joints, of all joints behind some point (a joint that stands hides its share of the load behind
+friction). What each would tell is summed as the estimator will sum it (information.py): the load's columns weighted by
 the torque model's density, less while friction is stuck, with the model's own uncertainty
 marginalised. The candidate is taken that costs least of those that settle most.
 """
@@ -21,15 +22,17 @@ from .presliding import PreslidingState, stuck_density
 from .torque_model import ModelFollower
 from .trajectory import Trajectory
 
-AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0, 1.5)   # [rad]
-SPEEDS = (0.15, 0.4)         # share of the robot file's velocity limits
-_ACCELERATION = 0.4          # share of its acceleration limits
+AMPLITUDES = (0.1, 0.2, 0.4, 0.8, 1.5)   # [rad]
+SPEEDS = (0.25, 0.8)         # share of the robot file's velocity limits
+_ACCELERATION = 0.7          # share of its acceleration limits
 _SHORTEST = 0.4              # [s] one way
 _MARGIN = 0.05               # [rad] kept from the position limits
-_COARSE = 12                 # samples one way, of the first look
+_WRIST = 4                   # joints, counted from the hand, of which two are moved together
+_SIGNS = ((1.0,), (-1.0,), (1.0, -1.0), (-1.0, 1.0))  # of many joints moved together, in turn
+_COARSE = 8                 # samples one way, of the first look
 # A joint that moves the whole arm costs this much more per radian than the last wrist joint.
 _WHOLE_ARM = 4.0
-_SECOND = 0.1                # cost of one second, beside radians
+_SECOND = 0.5                # cost of one second, beside radians
 # A quintic from rest to rest over 1 rad in 1 s reaches these peaks.
 _PEAK_SPEED, _PEAK_ACCELERATION = 1.875, 5.7735
 # How much better than the threshold the expectation must be: it is one.
@@ -157,9 +160,12 @@ class MotionSuggester:
         n = self._robot.n
         single = [((j,), (sign * a,), speed) for j in range(n) for sign in (1.0, -1.0)
                   for a in AMPLITUDES for speed in SPEEDS]
-        double = [(pair, (first * a, second * a), SPEEDS[-1]) for pair in combinations(range(n), 2)
-                  for a in AMPLITUDES[1:] for first, second in product((1.0, -1.0), repeat=2)]
-        return [self._candidate(*found) for found in single + double]
+        double = [(pair, (first * a, second * a), SPEEDS[-1])
+                  for pair in combinations(range(max(n - _WRIST, 0), n), 2)
+                  for a in AMPLITUDES for first, second in product((1.0, -1.0), repeat=2)]
+        more = [(tuple(range(first, n)), tuple(a * np.resize(signs, n - first)), SPEEDS[-1])
+                for first in range(n - 2) for a in AMPLITUDES[:-1] for signs in _SIGNS]
+        return [self._candidate(*found) for found in single + double + more]
 
     def _candidate(self, joints, amplitudes, speed):
         size, limits, own = np.abs(amplitudes), self._robot.limits, list(joints)
@@ -179,8 +185,7 @@ class MotionSuggester:
         samples = motion.sample(np.linspace(0.0, motion.time[1], 7))
         torque = np.array([self._robot.rigid_torque(*row, self._robot.rated_load)
                            for row in zip(*samples)])
-        allowed = limits.allowed_torque * limits.torque - self._level
-        return bool((np.abs(torque) <= allowed).all())
+        return bool((np.abs(torque) <= limits.allowed_torque * limits.torque).all())
 
     def _clear(self, motion, pose):
         """Tell whether the arm comes no nearer to floor and base than wanted, or than it is."""

@@ -6,6 +6,7 @@ from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
 import numpy as np
 import pytest
 
+from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.load import LoadParameters
 
 MASS, FROM, TO = 2.0, 104.0, 105.0
@@ -40,6 +41,31 @@ def test_a_push_is_told_and_leaves_no_trace(model, force):
     assert (np.abs(estimates[-1].mean - plain[-1].mean)[:4] < 2.0 * std).all()
     worst = max(np.abs(e.mean[0] - MASS) for e in during)
     assert worst < 5.0 * next(e for e in plain if e.stamp > FROM).std[0]
+
+
+@pytest.mark.parametrize('gated', [True, False])
+def test_a_push_on_a_standing_arm_is_no_load(model, gated, monkeypatch):
+    """Friction takes a part of it; what is left belongs to no load."""
+    if not gated:
+        monkeypatch.setattr(ContactGate, 'update', lambda *_: False)
+        monkeypatch.setattr(ContactGate, 'refuses', lambda *_: False)
+    stream = messages(model, block(MASS), 4.0, rest=9.0)
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, pushed(model, stream, (60.0, 60.0, 0.0), 102.0, 103.5))
+    assert pipeline.load_id == 0 if gated else pipeline.load_id > 0
+
+
+def test_a_push_first_taken_for_a_load_is_taken_back(model):
+    """A weight for half a second that then pulls sideways was no load: the old one is back."""
+    alone, more = (messages(model, block(mass), 7.0) for mass in (MASS, 3.0 * MASS))
+    stream = [o if FROM < m.stamp < TO else m for m, o in zip(alone, more)]
+    pipeline = warm(pipeline_of(model))
+    estimates = feed(pipeline, pushed(model, stream, (60.0, 0.0, 0.0), FROM + 0.5, TO))
+    changes = [e.load_id for e in estimates]
+    assert changes[-1] == 2, 'one that was none, and back'
+    back = next(e for e in estimates if e.load_id == 2)
+    assert back.stamp < TO and abs(back.mean[0] - MASS) < 4.0 * back.std[0] + 0.05
+    assert abs(estimates[-1].mean[0] - MASS) < 4.0 * estimates[-1].std[0]
 
 
 @pytest.mark.parametrize('before, after', [(0.0, 10.0), (10.0, 0.0), (3.0, 5.0)])

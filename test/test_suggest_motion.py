@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.estimators.build import determined_std
-from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.load import LoadParameters, MESSAGE_ORDER
 from hand_load_estimator.suggest_motion import MotionSuggester, SuggestionError
 
 POSE = np.array([0.0, -1.2, 1.5, -0.5, -1.0, 0.3])
@@ -54,7 +54,7 @@ def test_following_it_settles_what_it_says(model, mass):
     estimates = feed(pipeline, [replace(m, stamp=m.stamp + 1.0) for m in stream])
     last = estimates[-1]
     for name in suggestion.settled:
-        assert last.determined['mxyz'.index(name)], name
+        assert last.determined[MESSAGE_ORDER.index(name)], name
     assert (last.std[:4] < 1.5 * suggestion.std[:4]).all()
     assert (np.abs(last.mean - block(mass).to_message())[:4] < 3.5 * last.std[:4]).all()
 
@@ -64,14 +64,15 @@ def test_it_stays_within_the_limits_and_ends_where_it_began(model):
     suggestion = standing(model, block(6.0)).suggest_motion()
     q, v, a = suggestion.trajectory.sample(np.linspace(0.0, suggestion.trajectory.duration, 400))
     assert (q > limits.lower).all() and (q < limits.upper).all()
-    assert (np.abs(v) <= 0.5 * limits.velocity).all()
-    assert (np.abs(a) <= 0.5 * limits.acceleration).all()
+    assert (np.abs(v) <= 0.85 * limits.velocity).all()
+    assert (np.abs(a) <= 0.75 * limits.acceleration).all()
     np.testing.assert_allclose(q[0], POSE, atol=1e-5)
     np.testing.assert_allclose(q[-1], POSE, atol=1e-5)
     for row in zip(q[::20], v[::20], a[::20]):
         torque = model.robot.rigid_torque(*row, model.robot.rated_load)
         assert (np.abs(torque) <= limits.allowed_torque * limits.torque).all()
-    assert np.count_nonzero(np.ptp(q, axis=0)) <= 2
+    names = {joint for joint, _ in suggestion.moves}
+    assert [joint in names for joint in model.robot.joints] == list(np.ptp(q, axis=0) > 1e-6)
 
 
 def test_less_is_asked_for_where_less_is_open(model):

@@ -49,9 +49,15 @@ class Bayes:
         columns = joined_columns(prediction)
         innovation, spread, torque = innovation_of(prediction, columns, self._known,
                                                    self._regression.posterior)
-        if self._gate.update(prediction, innovation, torque, sample.dt):
+        contact = self._gate.update(prediction, innovation, torque, sample.dt)
+        changed = self._rest.update(sample, innovation, spread)
+        if changed:
+            contact = self._gate.refuses(prediction, innovation, torque)
+        if contact:
+            if self._gate.reason and self._regression.take_back(sample.stamp):
+                self._known = self._regression.known()
             return self.belief()
-        if self._rest.update(sample, innovation, spread):
+        if changed:
             self._regression.begin_anew(sample.stamp)
             self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)

@@ -80,6 +80,10 @@ class RecentData:
         """Return the Information of everything kept."""
         return self._sum(self._closed, (self._open,))
 
+    def without_newest(self):
+        """Return the Information of all but the open piece and the shorter window."""
+        return self._sum(self.older, list(self.pieces)[:-min(WINDOWS)])
+
     def split(self, count):
         """Return (older, recent) with the last `count` pieces as recent, or None."""
         if len(self.pieces) <= count:

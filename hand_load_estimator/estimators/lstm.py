@@ -116,11 +116,16 @@ class Lstm:
         self.settle()
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
-        if self._gate.update(prediction, load[0], load[2], sample.dt):
+        contact = self._gate.update(prediction, load[0], load[2], sample.dt)
+        changed = self._rest.update(sample, load[0], load[1])
+        if changed:
+            contact = self._gate.refuses(prediction, load[0], load[2])
+        if contact:
+            self._take_back(sample.stamp)
             return self.belief()
-        if self._rest.update(sample, load[0], load[1]):
+        if changed:
             self._plain.begin_anew(sample.stamp)
-            self._learned.forget()
+            self._learned.begin_anew(sample.stamp)
             self._restart()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
@@ -148,8 +153,16 @@ class Lstm:
             # At a renewal there is enough to do.
             self._plain.look_for_change()
         if self._plain.changes > changes:
-            self._learned.forget()
+            self._learned.begin_anew(self._plain.last_change)
             self._restart()
+
+    def _take_back(self, stamp):
+        """Return to the load before a change that was a contact, if there was one just now."""
+        if self._gate.reason and self._plain.take_back(stamp):
+            self._learned.take_back(stamp)
+            self._cell.restart()
+            self._shift, self._spread = np.zeros(10), np.zeros(10)
+            self._renew()
 
     def belief(self):
         """Return the present Belief."""

@@ -12,6 +12,9 @@ from .method import Belief, checked
 MEMORY = 120.0
 # Faster than this [rad/s] a joint tells something.
 MOVING = 0.02
+# A change is taken back when it turns out within so long [s] to have been a contact, and not twice
+# within so long.
+TAKEN_BACK, NOT_TWICE = 1.5, 5.0
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
 
@@ -33,6 +36,7 @@ class LoadRegression:
         self.changes, self.last_change = 0, None
         self.change = _change_covariance(prior)
         self._turn, self._unchecked = 0, None
+        self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
@@ -75,6 +79,7 @@ class LoadRegression:
 
     def forget(self):
         """Forget the load."""
+        self._before = None
         self._recent.clear()
         self._unchecked = None
         self._start = self._prior.mean
@@ -130,9 +135,29 @@ class LoadRegression:
 
     def begin_anew(self, stamp):
         """Forget the load because another is held since about `stamp` [s]."""
+        again = 0.0 <= stamp - self._returned < NOT_TWICE
+        before = None if again else (self._recent.without_newest(), self._start)
         self.forget()
+        self._before = before
         self.changes += 1
         self.last_change = stamp
+
+    def take_back(self, stamp):
+        """
+        Return to the load before the newest change, if that was just now; tell whether.
+
+        What looked like another load has turned out to be a contact.
+        """
+        if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
+            return False
+        older, self._start = self._before
+        self._before, self._returned = None, stamp
+        self._recent.begin_with(older)
+        self._unchecked = None
+        self.changes += 1
+        self.last_change = stamp
+        self.update_posterior()
+        return True
 
     def _older_belief(self, older):
         """Return the belief (d,), (d, d) about load and nuisances from older data."""
