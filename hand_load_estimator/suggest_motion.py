@@ -3,9 +3,10 @@ Suggest the smallest joint motion that would determine what is not determined of
 
 Candidates are there-and-back motions from where the arm stands: of one joint, of two wrist
 joints, of all joints behind some point (a joint that stands hides its share of the load behind
-friction). What each would tell is summed as the estimator will sum it (information.py): the load's columns weighted by
-the torque model's density, less while friction is stuck, with the model's own uncertainty
-marginalised. The candidate is taken that costs least of those that settle most.
+friction). What each would tell is summed as the estimator will sum it (information.py): the
+load's columns weighted by the torque model's density, less while friction is stuck, with the
+model's own uncertainty marginalised. The candidate is taken that costs least of those that
+settle most.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ _SHORTEST = 0.4              # [s] one way
 _MARGIN = 0.05               # [rad] kept from the position limits
 _WRIST = 4                   # joints, counted from the hand, of which two are moved together
 _SIGNS = ((1.0,), (-1.0,), (1.0, -1.0), (-1.0, 1.0))  # of many joints moved together, in turn
-_COARSE = 8                 # samples one way, of the first look
+_COARSE = 8                  # samples one way, of the first look
 # A joint that moves the whole arm costs this much more per radian than the last wrist joint.
 _WHOLE_ARM = 4.0
 _SECOND = 0.5                # cost of one second, beside radians

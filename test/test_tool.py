@@ -78,7 +78,8 @@ def test_a_checkpoint_belongs_to_its_tool(pipelines):
 
 @pytest.mark.parametrize('text, said', [
     ('mass: -1\n', 'mass'), ('mass: 1\nstd: {weight: 1}\n', 'weight'),
-    ('mass: 1\nstd: {com: [1, 2]}\n', 'com'), ('mass: 1\nstd: {mass: -1}\n', 'mass'), ('', 'mapping')])
+    ('mass: 1\nstd: {com: [1, 2]}\n', 'com'), ('mass: 1\nstd: {mass: -1}\n', 'mass'),
+    ('', 'mapping')])
 def test_a_wrong_tool_file_is_refused(tmp_path, text, said):
     (tmp_path / 't.yaml').write_text(text)
     with pytest.raises(ConfigurationError, match=said):

@@ -15,7 +15,7 @@ class Belief:
 
 
 def checked(state, shapes):
-    """Return {name: array} of a state with exactly these shapes; ValueError names what is wrong."""
+    """Return {name: array} of a state with exactly these shapes; ValueError says what is not."""
     for name, shape in shapes.items():
         if name not in state:
             raise ValueError(f'{name} is missing')
