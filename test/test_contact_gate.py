@@ -108,6 +108,14 @@ def test_what_is_always_unexplained_is_no_contact(model):
     assert np.mean(['contact' in reason for reason in late]) < 0.1
 
 
+def test_a_wrong_model_is_no_contact_from_the_start(model):
+    """The load is estimated, wrongly, and not held back as if somebody pushed."""
+    stream = [replace(m, effort=m.effort + np.array([0, 20.0, 0, 0, 0, 0]))
+              for m in messages(model, block(MASS), 4.0)]
+    last = feed(warm(pipeline_of(model)), stream)[-1]
+    assert last.determined[0] and 'contact' not in last.reason
+
+
 @pytest.mark.parametrize('seed', range(3))
 def test_nothing_is_left_out_on_a_right_model(model, seed):
     pipeline = warm(pipeline_of(model))

@@ -12,8 +12,9 @@ import numpy as np
 # A sample is left out above this c for six joints (chance: 1e-7) and this share of the c that
 # is left without K P K^T: another load that the model gets wrong by a tenth is still a load.
 LIMIT_PER_JOINT, SHARE = 7.0, 0.05
-# The usual c is a mean over this memory [s]; more than usual is sudden.
-MEMORY = 5.0
+# The usual c is a mean over this memory [s]; more than usual is sudden. Nothing is, before a joint
+# has slid for so long [s]: a wrong model shows from the start, when friction is known.
+MEMORY, ARMED, KNOWN = 5.0, 1.0, 0.05
 # So many seconds in a row are a contact. It is over after so many with the believed load, or
 # after so many that another load explains: a push may look like one for a while.
 SHORTEST, OVER, OVER_WITH_ANOTHER = 0.05, 0.1, 0.5
@@ -43,7 +44,7 @@ class ContactGate:
         values, vectors = np.linalg.eigh(change)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
         self._limit = LIMIT_PER_JOINT * len(joints)
-        self._usual = 0.0
+        self._usual = self._seen = 0.0
         self.clear()
 
     def clear(self):
@@ -58,10 +59,14 @@ class ContactGate:
         Return whether to leave the sample out.
         """
         unexplained, left, alone = self._unexplained(prediction, innovation, load_torque)
+        if (prediction.doubt < KNOWN).any():
+            self._seen += dt
         limit = self._limit * max(self._usual, 1.0)
-        over = unexplained > limit and unexplained > SHARE * alone
+        over = self._seen > ARMED and unexplained > max(limit, SHARE * alone)
         if not over:
-            self._usual += min(dt / MEMORY, 1.0) * (unexplained / len(left) - self._usual)
+            # A plain mean until there is as much as the memory holds.
+            memory = max(min(self._seen, MEMORY), dt)
+            self._usual += dt / memory * (unexplained / len(left) - self._usual)
         self._beyond = self._beyond + dt if over else 0.0
         calm = dt if alone < limit else dt * OVER / OVER_WITH_ANOTHER
         self._calm = 0.0 if over else self._calm + calm
