@@ -60,5 +60,6 @@ def estimate_recording(pipeline, recording):
         'com': {'mean': final.mean[1:4].tolist(), 'std': std[1:4].tolist()},
         'inertia': {'mean': final.mean[4:].tolist(), 'std': std[4:].tolist()},
         'covariance': final.covariance.tolist(), 'determined': final.determined.tolist(),
-        'load_id': final.load_id, 'samples': pipeline.samples, 'rejected': pipeline.rejected,
+        'load_id': final.load_id, 'tool_mass': pipeline.tool_mass,
+        'samples': pipeline.samples, 'rejected': pipeline.rejected,
         'history': history.content()}

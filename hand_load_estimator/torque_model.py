@@ -19,6 +19,8 @@ from .presliding import STUCK_TIME, PreslidingState, presliding_path, stuck_vari
 from .robot import Robot
 from .torque_noise import SampleNoise
 
+# Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
+DRIFTS = 3
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
 
@@ -342,7 +344,7 @@ class ModelFollower:
     @property
     def uncertainties(self):
         """Number r of model columns."""
-        return self._uncertain.shape[1] + 3 * self.model.robot.n
+        return self._uncertain.shape[1] + DRIFTS * self.model.robot.n
 
     def restart(self):
         """Forget the path, as after a gap in the data."""
@@ -460,7 +462,7 @@ def nuisance_columns(columns, uncertain, drift, x):
     columns Y (N, n, P); uncertain (P, r); drift (n, 3); x: the EffectInput of the columns.
     """
     count, n = x.q.shape
-    out = np.zeros((count, n, uncertain.shape[1] + 3 * n))
+    out = np.zeros((count, n, uncertain.shape[1] + DRIFTS * n))
     out[:, :, :uncertain.shape[1]] = columns @ uncertain
     joints = np.arange(n)
     for k, basis in enumerate((np.ones_like(x.v), x.z, x.v)):

@@ -10,6 +10,8 @@ import torch
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators import lstm as lstm_module, regression
 from hand_load_estimator.estimators.build import build_method, determined_std
+from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
+                                                       restore_checkpoint, write_checkpoint)
 from hand_load_estimator.estimators.lstm import Lstm, LstmCell
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
@@ -333,3 +335,20 @@ def test_build_takes_the_named_artefact(tmp_path, robot):
     model = exact_model('four')
     method = build_method(model, ModelFollower(model).uncertainties, 'lstm', str(tmp_path))
     assert method.name == 'lstm'
+
+
+def test_the_network_goes_on_from_a_checkpoint(robot, loud, tmp_path):
+    model = exact_model('four')
+    old, new = (warm(pipeline_with(model, loud[1])) for _ in range(2))
+    feed(old, messages(model, block(3.0), 3.0))
+    write_checkpoint(tmp_path / 'c', old.state(), belongs_to(old))
+    restore_checkpoint(tmp_path / 'c', new, 60.0)
+    before, after = old.method.belief(), new.method.belief()
+    std = np.sqrt(np.diag(before.covariance))
+    np.testing.assert_allclose(after.mean / std, before.mean / std, atol=1e-3)
+    np.testing.assert_allclose(after.covariance / np.outer(std, std),
+                               before.covariance / np.outer(std, std), atol=1e-3)
+    assert new.method.state()['memory'].any()
+    other = artefact_of(tmp_path / 'b', robot, network_of(robot, seed=2))
+    with pytest.raises(CheckpointError, match='another learned artefact'):
+        restore_checkpoint(tmp_path / 'c', pipeline_with(model, other), 60.0)

@@ -21,6 +21,9 @@ def add_arguments(parser):
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact (default: the shipped one of the robot; for gp_... '
                         'of the model)')
+    parser.add_argument('--tool', default=None, metavar='T.yaml',
+                        help='load file of a known tool, which may state `std`; the answer is '
+                             'what is held beside it (default: none)')
     add_recording_arguments(parser)
 
 
@@ -29,7 +32,7 @@ def run(args):
     from ..estimation import estimate_recording
     from ..estimators.build import build_pipeline
     from ..recording import read_recording
-    pipeline = build_pipeline(args.model, args.method, args.learned)
+    pipeline = build_pipeline(args.model, args.method, args.learned, tool_path=args.tool)
     # The answer must not know the load: load.yaml is not read.
     recording = read_recording(args.recording, with_load=False, **topics(args))
     result = estimate_recording(pipeline, recording)

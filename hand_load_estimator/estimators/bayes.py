@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .contact_gate import ContactGate
 from .load_prior import load_prior
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
@@ -14,7 +15,8 @@ class Bayes:
     Estimate the load without any learned part; works for every robot with a torque model.
 
     innovation, spread (n,): what the last sample said that was not expected [Nm], and its
-    variance by the belief about the load before it [Nm^2].
+    variance by the belief about the load before it [Nm^2]. refused: whether it was left out, as a
+    contact's.
     """
 
     name = 'bayes'
@@ -25,8 +27,11 @@ class Bayes:
                                           robot.effort.torque_constants_std)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
+        self._gate = ContactGate(robot.joints, model.residuals.rmse, model.friction_level(),
+                                 self._regression.change, robot.effort.torque_constants_std)
         self._known = self._regression.known()
         self.innovation, self.spread = np.zeros((2, robot.n))
+        self.refused = False
 
     @property
     def changes(self):
@@ -46,18 +51,26 @@ class Bayes:
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._watch.reason
+        return self._gate.reason or self._watch.reason
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
-        innovation, spread, _ = innovation_of(prediction, columns, self._known,
-                                              self._regression.posterior)
-        if self._rest.update(sample, innovation, spread):
+        innovation, spread, torque = innovation_of(prediction, columns, self._known,
+                                                   self._regression.posterior)
+        contact = self._gate.update(prediction, innovation, torque, sample.dt)
+        changed = self._rest.update(sample, innovation, spread)
+        if changed:
+            contact = self._gate.refuses(prediction, innovation, torque)
+        self.refused = contact
+        if contact:
+            if self._gate.reason and self._regression.take_back(sample.stamp):
+                self._known = self._regression.known()
+            return self.belief()
+        if changed:
             self._regression.begin_anew(sample.stamp)
-            self._watch.clear()
-        self.innovation, self.spread = innovation, spread
+            self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
@@ -69,7 +82,7 @@ class Bayes:
         changes = self.changes
         self._regression.look_for_change()
         if self.changes > changes:
-            self._watch.clear()
+            self._clear_watches()
         self._known = self._regression.known()
 
     @property
@@ -84,11 +97,26 @@ class Bayes:
     def forget(self):
         """Forget the load."""
         self._regression.forget()
-        self._watch.clear()
+        self._clear_watches()
         self._known = self._regression.known()
 
     def tare(self):
         """Make what is held now the new zero."""
         self._regression.tare()
+        self._clear_watches()
+        self._known = self._regression.known()
+
+    def _clear_watches(self):
         self._watch.clear()
+        self._gate.clear()
+
+    def state(self):
+        """Return the state of the regression."""
+        return self._regression.state()
+
+    def restore(self, state):
+        """Go on from a state()."""
+        self._regression.restore(state)
+        self._clear_watches()
+        self._rest.restart()
         self._known = self._regression.known()

@@ -57,7 +57,8 @@ class BesideBayes:
         self._plain.update(sample, corrected)
         if self.changes > changes:
             self._begin_anew()
-        self._take(sample, corrected, joined_columns(corrected))
+        if not self._plain.refused:
+            self._take(sample, corrected, joined_columns(corrected))
         return self.belief()
 
     def settle(self):

@@ -1,5 +1,6 @@
 """Put a Pipeline together from files, as nodes and commands name them."""
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from ..learning.artefact import CARD, read_artefact
 from ..model_file import model_digest, read_model
 from ..robot import load_robot
 from ..shared_files import find_shared, share_folder
+from ..tool import read_tool, ToolFollower
 from ..torque_model import ModelFollower
 from .bayes import Bayes
 from .difference_function import DifferenceFunction
@@ -108,17 +110,23 @@ def _check_robot(model, path, robot):
             f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
 
 
-def build_pipeline(model_path, method='lstm', learned=None, robot_path=None):
+def build_pipeline(model_path, method='lstm', learned=None, robot_path=None, tool_path=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
 
-    robot_path: robot file the model must belong to, by joints and effort kind, or None.
+    robot_path: robot file the model must belong to, by joints and effort kind, or None;
+    tool_path: load file of a known tool, or None: the estimate is what is held beside it.
     """
     model_file = find_shared(model_path, 'models')
     model = read_model(model_file)
     if robot_path is not None:
         _check_robot(model, model_path, load_robot(find_shared(robot_path, 'robots')))
-    follower = ModelFollower(model)
+    follower, tool = ModelFollower(model), None
+    if tool_path:
+        tool = read_tool(tool_path)
+        follower = ToolFollower(follower, tool)
     return Pipeline(model, follower,
                     build_method(model, follower.uncertainties, method, learned or None),
-                    determined_std(model.robot), model_file=model_file)
+                    determined_std(model.robot), model_file=model_file,
+                    digest=hashlib.sha256(model_file.read_bytes()).hexdigest(),
+                    tool=tool)

@@ -40,17 +40,27 @@ def log_bayes_factor(recent, older_mean, older_covariance, change):
 
 
 class RecentData:
-    """The newest pieces of information, apart from the older sum, which fades."""
+    """
+    The newest pieces of information, apart from the older sum, which fades.
+
+    size: (joints, nuisances).
+    """
 
     def __init__(self, n, nuisances, memory):
-        self._size, self._fade = (n, nuisances), np.exp(-PIECE / memory)
+        self.size, self._fade = (n, nuisances), np.exp(-PIECE / memory)
         self.clear()
 
     def clear(self):
         """Forget everything."""
-        self.older, self.pieces = Information(*self._size), deque()
-        self._open, self._length = Information(*self._size), 0.0
-        self._closed = Information(*self._size)
+        self.older, self.pieces = Information(*self.size), deque()
+        self._open, self._length = Information(*self.size), 0.0
+        self._closed = Information(*self.size)
+
+    def begin_with(self, older):
+        """Forget everything, and take an Information for what older data have told."""
+        self.clear()
+        self.older.add(older)
+        self._closed.add(older)
 
     def add(self, columns, difference, weights, moved):
         """Add a sample that stands for `moved` [s] of motion; tell whether it ended a piece."""
@@ -59,7 +69,7 @@ class RecentData:
         if self._length < PIECE:
             return False
         self.pieces.append(self._open)
-        self._open, self._length = Information(*self._size), 0.0
+        self._open, self._length = Information(*self.size), 0.0
         if len(self.pieces) > max(WINDOWS):
             self.older.scale(self._fade)
             self.older.add(self.pieces.popleft())
@@ -70,16 +80,20 @@ class RecentData:
         """Return the Information of everything kept."""
         return self._sum(self._closed, (self._open,))
 
+    def without_newest(self):
+        """Return the Information of all but the open piece and the shorter window."""
+        return self._sum(self.older, list(self.pieces)[:-min(WINDOWS)])
+
     def split(self, count):
         """Return (older, recent) with the last `count` pieces as recent, or None."""
         if len(self.pieces) <= count:
             return None
         pieces = list(self.pieces)
         return (self._sum(self.older, pieces[:-count]),
-                self._sum(Information(*self._size), pieces[-count:]))
+                self._sum(Information(*self.size), pieces[-count:]))
 
     def _sum(self, first, others):
-        total = Information(*self._size)
+        total = Information(*self.size)
         total.add(first)
         for other in others:
             total.add(other)

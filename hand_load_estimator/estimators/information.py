@@ -87,6 +87,22 @@ class Information:
         self.vector *= factor
         self.by_joint *= factor
 
+    def without_last(self, count):
+        """
+        Return an Information of the same size without the last `count` nuisances' data.
+
+        They are marginalised with their unit prior, as if their values were drawn anew from here
+        on: what was learnt of the others stays, as well as it was known.
+        """
+        kept = len(self.vector) - count
+        out = Information(len(self.by_joint), len(self.vector) - 10)
+        inner = self.matrix[kept:, kept:] + np.eye(count)
+        share = np.linalg.solve(inner, self.matrix[kept:, :kept]).T
+        out.matrix[:kept, :kept] = self.matrix[:kept, :kept] - share @ self.matrix[kept:, :kept]
+        out.vector[:kept] = self.vector[:kept] - share @ self.vector[kept:]
+        out.by_joint[:, :kept] = self.by_joint[:, :kept] - share @ self.by_joint[:, kept:]
+        return out
+
     def load_share(self):
         """Return (10, 10), (10,): information of the load with the nuisances marginalised."""
         matrix, vector = self.matrix, self.vector

@@ -14,9 +14,10 @@ from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
 from ..load import message_from_shape
 from ..torque_model import warmth_of
+from .contact_gate import ContactGate
 from .information import message_covariance
 from .load_prior import load_prior
-from .method import Belief
+from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
 from .rest_watch import RestWatch
@@ -27,8 +28,18 @@ def _sigmoid(x):
     return 1.0 / (1.0 + np.exp(-x))
 
 
+def _part(state, name):
+    """Return the entries of a state that begin with a name, without it."""
+    return {key.partition('.')[2]: value for key, value in state.items()
+            if key.startswith(f'{name}.')}
+
+
 class LstmCell:
-    """One LSTM layer run along every joint, and its heads; torch's gate order i, f, g, o."""
+    """
+    One LSTM layer run along every joint, and its heads; torch's gate order i, f, g, o.
+
+    memory: output and cell state, (n, H) each; fingerprint: numbers that differ where weights do.
+    """
 
     def __init__(self, weights, joints):
         self._input = weights['lstm.weight_ih_l0'].T
@@ -37,22 +48,25 @@ class LstmCell:
         self._joint = weights['joint_head.weight'].T, weights['joint_head.bias']
         self._load = weights['load_head.weight'], weights['load_head.bias']
         self._joints = joints
+        self.fingerprint = np.array([np.abs(value).sum() for value in weights.values()])
         self.restart()
 
     def restart(self):
         """Forget the past."""
-        self._h, self._c = np.zeros((2, self._joints, self._hidden.shape[0]))
+        self.memory = np.zeros((2, self._joints, self._hidden.shape[0]))
 
     def step(self, inputs):
         """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
-        gates = inputs @ self._input + self._h @ self._hidden + self._bias
-        hidden = self._c.shape[1]
+        h, c = self.memory
+        gates = inputs @ self._input + h @ self._hidden + self._bias
+        hidden = c.shape[1]
         i, f, _, o = (opened[:, k:k + hidden] for opened in (_sigmoid(gates),)
                       for k in range(0, 4 * hidden, hidden))
-        self._c = f * self._c + i * np.tanh(gates[:, 2 * hidden:3 * hidden])
-        self._h = o * np.tanh(self._c)
-        joint = self._h @ self._joint[0] + self._joint[1]
-        load = self._load[0] @ self._h.ravel() + self._load[1]
+        c = f * c + i * np.tanh(gates[:, 2 * hidden:3 * hidden])
+        h = o * np.tanh(c)
+        self.memory = h, c
+        joint = h @ self._joint[0] + self._joint[1]
+        load = self._load[0] @ h.ravel() + self._load[1]
         return (CORRECTION * np.tanh(joint[:, 0]), GAIN * np.tanh(joint[:, 1] / GAIN),
                 SHIFT * np.tanh(load[:10] / SHIFT), SPREAD * np.tanh(load[10:] / SPREAD))
 
@@ -74,6 +88,8 @@ class Lstm:
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
         self._watch = MismatchWatch(self._robot.joints, model.residuals.rmse)
+        self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._level,
+                                 self._plain.change, self._robot.effort.torque_constants_std)
         self._restart()
 
     @property
@@ -94,16 +110,23 @@ class Lstm:
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._watch.reason
+        return self._gate.reason or self._watch.reason
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
-        if self._rest.update(sample, load[0], load[1]):
+        contact = self._gate.update(prediction, load[0], load[2], sample.dt)
+        changed = self._rest.update(sample, load[0], load[1])
+        if changed:
+            contact = self._gate.refuses(prediction, load[0], load[2])
+        if contact:
+            self._take_back(sample.stamp)
+            return self.belief()
+        if changed:
             self._plain.begin_anew(sample.stamp)
-            self._learned.forget()
+            self._learned.begin_anew(sample.stamp)
             self._restart()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
@@ -131,8 +154,16 @@ class Lstm:
             # At a renewal there is enough to do.
             self._plain.look_for_change()
         if self._plain.changes > changes:
-            self._learned.forget()
+            self._learned.begin_anew(self._plain.last_change)
             self._restart()
+
+    def _take_back(self, stamp):
+        """Return to the load before a change that was a contact, if there was one just now."""
+        if self._gate.reason and self._plain.take_back(stamp):
+            self._learned.take_back(stamp)
+            self._cell.restart()
+            self._shift, self._spread = np.zeros(10), np.zeros(10)
+            self._renew()
 
     def belief(self):
         """Return the present Belief."""
@@ -156,9 +187,28 @@ class Lstm:
         self._learned.tare()
         self._restart()
 
+    def state(self):
+        """Return the states of both regressions and of the network."""
+        self.settle()
+        parts = ('plain', self._plain.state()), ('learned', self._learned.state())
+        out = {f'{part}.{name}': value for part, state in parts for name, value in state.items()}
+        return out | {'memory': np.stack(self._cell.memory), 'shift': self._shift,
+                      'spread': self._spread, 'weights': self._cell.fingerprint}
+
+    def restore(self, state):
+        """Go on from a state() of the same artefact."""
+        own = checked(state, {name: np.shape(value) for name, value in self.state().items()})
+        if not np.array_equal(own['weights'], self._cell.fingerprint):
+            raise ValueError('it comes from another learned artefact')
+        self._plain.restore(_part(own, 'plain'))
+        self._learned.restore(_part(own, 'learned'))
+        self._restart()
+        self._cell.memory, self._shift, self._spread = own['memory'], own['shift'], own['spread']
+
     def _restart(self):
         self._cell.restart()
         self._watch.clear()
+        self._gate.clear()
         self._rest.restart()
         self._slow = SlowResidual(self._robot.n)
         self._count, self._unsettled = 0, None

@@ -14,6 +14,16 @@ class Belief:
     covariance: np.ndarray
 
 
+def checked(state, shapes):
+    """Return {name: array} of a state with exactly these shapes; ValueError says what is not."""
+    for name, shape in shapes.items():
+        if name not in state:
+            raise ValueError(f'{name} is missing')
+        if state[name].shape != shape or not np.isfinite(state[name]).all():
+            raise ValueError(f'{name} is not finite or not of shape {shape}')
+    return {name: np.array(state[name], dtype=float) for name in shapes}
+
+
 class Method(Protocol):
     """One way of estimating the load from MotionSamples and Predictions."""
 
@@ -37,3 +47,9 @@ class Method(Protocol):
 
     def tare(self):
         """Make what is held now the new zero."""
+
+    def state(self) -> dict:
+        """Return {name: array}, all that restore() needs to go on in another process."""
+
+    def restore(self, state):
+        """Go on from a state(), as after a gap in the data; ValueError when it does not fit."""

@@ -1,4 +1,4 @@
-"""Tell a residual that neither the load nor the model's own uncertainty explains."""
+"""Tell a residual that neither load nor model explains for a second; see contact_gate.py too."""
 
 import numpy as np
 
@@ -29,5 +29,5 @@ class MismatchWatch:
         self._ratio += min(dt / MEMORY, 1.0) * (ratio - self._ratio)
         worst = int(np.argmax(self._ratio))
         self.reason = '' if self._ratio[worst] <= LIMIT else (
-            f'{self._joints[worst]}: residual torque {np.sqrt(self._ratio[worst]):.1f} times what '
-            'load and model explain')
+            f'lasting misfit: {self._joints[worst]}: residual torque '
+            f'{np.sqrt(self._ratio[worst]):.1f} times what load and model explain')

@@ -5,9 +5,13 @@ import numpy as np
 from ..joint_stream import JointStream
 from ..load import LoadEstimate
 from ..residual.watch import ResidualWatch
+from ..suggest_motion import MotionSuggester, SuggestionError
+from .method import checked
 
 # Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
 MOTION_START = 0.05
+# Below this [rad/s] the arm stands.
+STANDING = 0.02
 # How long LOAD_CHANGED is said after a change [s].
 CHANGE_SHOWN = 1.0
 
@@ -19,19 +23,22 @@ class Pipeline:
     model: TorqueModel; method: a Method; determined_std: standard deviations of mass [kg],
     centre of mass [m] and inertia [kg m^2] below which a parameter counts as determined;
     stale_after [s]: silence after which the estimate is stale; model_file: Path the model was
-    read from, or None. watch: the ResidualWatch of the model.
+    read from, or None; digest: SHA-256 of that file's content; tool: the Tool that the follower
+    takes off, or None. watch: the ResidualWatch of the model.
     """
 
     def __init__(self, model, follower, method, determined_std, stale_after=0.5,
-                 model_file=None):
-        self.model, self.method, self.model_file = model, method, model_file
+                 model_file=None, digest='', tool=None):
+        self.model, self.method = model, method
+        self.model_file, self.digest, self.tool = model_file, digest, tool
         self.watch = ResidualWatch(model.robot.joints, model.residuals.intensity)
         self._follower = follower
         self._thresholds = np.repeat(determined_std, (1, 3, 6))
         self._stale_after = stale_after
         self._stream = JointStream(model.robot)
         self._began, self._unwatched = False, None
-        self._changes_before = 0
+        self._changes_before, self._restored = 0, ''
+        self._sample = self._suggester = None
         self._estimate = None
         self.residual = np.full(model.robot.n, np.nan)
 
@@ -56,6 +63,11 @@ class Pipeline:
         return float(self.method.tared[0])
 
     @property
+    def tool_mass(self):
+        """Mass [kg] of the known tool."""
+        return self.tool.mass if self.tool else 0.0
+
+    @property
     def temperature(self):
         """Last known joint temperatures (n,) [degC]."""
         return self._stream.temperature
@@ -77,6 +89,7 @@ class Pipeline:
         if sample.fresh:
             self._follower.restart()
             return None
+        self._sample = sample
         prediction = self._follower.update(sample)
         self.residual = prediction.difference
         self._began = self._began or self._moves(sample)
@@ -106,6 +119,22 @@ class Pipeline:
         self._stream = other._stream
         self._changes_before = other.load_id
 
+    def state(self):
+        """Return {name: array}: what restore() in another process goes on from."""
+        return {**self.method.state(), 'load_id': np.array(self.load_id),
+                'began': np.array(self._began or bool(self._restored))}
+
+    def restore(self, state, told):
+        """
+        Go on from a state() of the same robot, model and method; ValueError when it is unusable.
+
+        told: in words where it comes from, said until motion confirms or refutes it.
+        """
+        counts = checked(state, {'load_id': (), 'began': ()})
+        self.method.restore(state)
+        self._changes_before = int(counts['load_id'])
+        self._restored = told if counts['began'] else ''
+
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
         last = self._stream.last_stamp
@@ -117,11 +146,27 @@ class Pipeline:
                              f'no usable joint state for {now - last:.2f} s')
         return self._estimate or self._labelled(last, belief)
 
+    def suggest_motion(self):
+        """
+        Return the Suggestion for what is not determined now; takes tenths of a second.
+
+        Raises SuggestionError where the arm does not stand.
+        """
+        if self._sample is None:
+            raise SuggestionError('where the arm stands is not known: no joint states yet')
+        if (np.abs(self._sample.v) > STANDING).any():
+            raise SuggestionError('the arm moves; ask again when it stands')
+        if self._suggester is None:
+            self._suggester = MotionSuggester(self.model, self._thresholds)
+        belief = self.method.belief()
+        return self._suggester.suggest(belief.mean, belief.covariance, self._sample.q,
+                                       self._sample.temperature)
+
     def reset(self):
         """Forget the load."""
         self.method.forget()
         self.watch.forget_load()
-        self._began, self._estimate = False, None
+        self._began, self._estimate, self._restored = False, None, ''
 
     def tare(self):
         """Make what is held now the new zero."""
@@ -135,7 +180,7 @@ class Pipeline:
     def _labelled(self, stamp, belief):
         determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
         change = self.method.last_change
-        if not self._began:
+        if not self._began and not self._restored:
             return self._say(stamp, belief, 'WAITING_FOR_MOTION',
                              'no joint that carries the load has moved: at rest friction hides it')
         if self.method.mismatch:
@@ -143,9 +188,15 @@ class Pipeline:
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
             return self._say(stamp, belief, 'LOAD_CHANGED', 'recent torques belong to another load')
         if determined[:4].all():
-            return self._say(stamp, belief, 'DETERMINED', 'mass and centre of mass are determined')
+            return self._say(stamp, belief, 'DETERMINED',
+                             f'mass and centre of mass are determined{self._unconfirmed()}')
         open_ = [name for name, done in zip(('mass', 'x', 'y', 'z'), determined) if not done]
-        return self._say(stamp, belief, 'ESTIMATING', f'not determined yet: {", ".join(open_)}')
+        return self._say(stamp, belief, 'ESTIMATING',
+                         f'not determined yet: {", ".join(open_)}{self._unconfirmed()}')
+
+    def _unconfirmed(self):
+        """Return in words that a restored estimate has seen no motion yet."""
+        return '' if self._began else f'; {self._restored}, no motion since'
 
     def _say(self, stamp, belief, status, reason):
         determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds

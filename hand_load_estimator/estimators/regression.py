@@ -3,14 +3,18 @@
 import numpy as np
 
 from ..load import products_jacobian_of_shape
+from ..torque_model import DRIFTS
 from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
-from .information import gain_covariance, posterior_of, share_less_tare
-from .method import Belief
+from .information import gain_covariance, Information, posterior_of, share_less_tare
+from .method import Belief, checked
 
 # Data older than this much motion [s] fade: friction drifts as joints warm.
 MEMORY = 120.0
 # Faster than this [rad/s] a joint tells something.
 MOVING = 0.02
+# A change is taken back when it turns out within so long [s] to have been a contact, and not twice
+# within so long.
+TAKEN_BACK, NOT_TWICE = 1.5, 5.0
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
 
@@ -21,8 +25,8 @@ class LoadRegression:
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; watch: look for load changes in motion.
-    changes counts load changes; last_change is the
-    stamp of the newest, or None.
+    changes counts load changes; last_change is the stamp of the newest, or None. change (10, 10):
+    covariance of what the products may change by when the load does.
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
@@ -30,7 +34,9 @@ class LoadRegression:
         self._recent = RecentData(n, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change = 0, None
+        self.change = _change_covariance(prior)
         self._turn, self._unchecked = 0, None
+        self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
@@ -52,7 +58,7 @@ class LoadRegression:
             return
         older, recent = split
         mean, covariance = self._older_belief(older)
-        if log_bayes_factor(recent, mean, covariance, self._change_covariance()) > EVIDENCE:
+        if log_bayes_factor(recent, mean, covariance, self.change) > EVIDENCE:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp)
 
@@ -82,6 +88,7 @@ class LoadRegression:
 
     def forget(self):
         """Forget the load."""
+        self._before = None
         self._recent.clear()
         self._unchecked = None
         self._start = self._prior.mean
@@ -99,6 +106,33 @@ class LoadRegression:
         self._tare = self.posterior.products_covariance
         self.forget()
 
+    def state(self):
+        """Return {name: array}: what restore() goes on from."""
+        total = self._recent.total()
+        return {'matrix': total.matrix, 'vector': total.vector, 'by_joint': total.by_joint,
+                'start': self._start, 'zero': self._zero,
+                'tare': np.zeros((10, 10)) if self._tare is None else self._tare}
+
+    def restore(self, state):
+        """
+        Go on from a state() of another run; ValueError when it does not fit.
+
+        What drifts between runs (offset and friction of each joint) is found anew. All data are
+        older ones now, which recent ones are tested against: a load exchanged since is noticed.
+        """
+        n, size = self._recent.size
+        shapes = {'matrix': (10 + size, 10 + size), 'vector': (10 + size,),
+                  'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
+        state = checked(state, shapes)
+        total = Information(n, size)
+        total.matrix, total.vector = state['matrix'], state['vector']
+        total.by_joint = state['by_joint']
+        self._recent.begin_with(total.without_last(DRIFTS * n))
+        self._unchecked = None
+        self._start, self._zero = state['start'], state['zero']
+        self._tare = state['tare'] if state['tare'].any() else None
+        self.update_posterior()
+
     def belief(self):
         """Return the Belief of the last posterior."""
         return Belief(self.posterior.mean, self.posterior.covariance)
@@ -110,22 +144,42 @@ class LoadRegression:
 
     def begin_anew(self, stamp):
         """Forget the load because another is held since about `stamp` [s]."""
+        again = 0.0 <= stamp - self._returned < NOT_TWICE
+        before = None if again else (self._recent.without_newest(), self._start)
         self.forget()
+        self._before = before
         self.changes += 1
         self.last_change = stamp
+
+    def take_back(self, stamp):
+        """
+        Return to the load before the newest change, if that was just now; tell whether.
+
+        What looked like another load has turned out to be a contact.
+        """
+        if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
+            return False
+        older, self._start = self._before
+        self._before, self._returned = None, stamp
+        self._recent.begin_with(older)
+        self._unchecked = None
+        self.changes += 1
+        self.last_change = stamp
+        self.update_posterior()
+        return True
 
     def _older_belief(self, older):
         """Return the belief (d,), (d, d) about load and nuisances from older data."""
         posterior = posterior_of(older, self._prior, self._start)
         precision = older.matrix.copy()
-        precision[:10, :10] += np.linalg.inv(self._change_covariance())
+        precision[:10, :10] += np.linalg.inv(self.change)
         precision[range(10, len(precision)), range(10, len(precision))] += 1.0
         mean = np.concatenate([posterior.products, older.nuisance_given(posterior.products)])
         return mean, np.linalg.inv(precision)
 
-    def _change_covariance(self):
-        """Return (10, 10): what the products may change by when the load does."""
-        shape = self._prior.mean.copy()
-        shape[0] = max(shape[0], LEAST_CHANGE_MASS)
-        jacobian = products_jacobian_of_shape(shape)
-        return jacobian @ np.diag(self._prior.std ** 2) @ jacobian.T
+
+def _change_covariance(prior):
+    shape = prior.mean.copy()
+    shape[0] = max(shape[0], LEAST_CHANGE_MASS)
+    jacobian = products_jacobian_of_shape(shape)
+    return jacobian @ np.diag(prior.std ** 2) @ jacobian.T

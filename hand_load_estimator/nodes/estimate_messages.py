@@ -47,14 +47,15 @@ def residual_message(joints, residual, stamp):
     return out
 
 
-def estimate_status(name, estimate, age, method, tared_mass):
+def estimate_status(name, estimate, age, method, tared_mass, more=()):
     """
     Return DiagnosticStatus of an estimate.
 
     age [s]: time since the newest measurement in it, NaN before data; method: name of the
-    estimator in use; tared_mass [kg]: what tare declared zero.
+    estimator in use; tared_mass [kg]: what tare declared zero; more: further
+    (key, value) pairs.
     """
     values = {'determined': ' '.join('1' if d else '0' for d in estimate.determined),
               'age': age, 'reason': estimate.reason, 'load_id': estimate.load_id,
-              'method': method, 'tared mass [kg]': tared_mass}
+              'method': method, 'tared mass [kg]': tared_mass, **dict(more)}
     return status_message(name, _LEVELS.get(estimate.status, OK), estimate.status, values)

@@ -11,11 +11,15 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray, Header
 from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..shared_files import find_shared
+from ..suggest_motion import SuggestionError
+from .checkpoint_keeper import CheckpointKeeper
+from .controller_messages import trajectory_message
 from .diagnostics import ERROR, OK, STALE, WARN, Diagnostics
 from .draining import subscribe_draining
 from .estimate_messages import (covariance_message, estimate_status, inertia_message,
@@ -31,6 +35,7 @@ from .temperature_input import subscribe_dynamic_joint_states
 from .throttle import Throttle
 
 _STATUS_PERIOD = 0.1  # [s]
+_CHECKPOINT_PERIOD = 1.0  # [s]
 _MISSING = (ERROR, 'no joint states have arrived')
 
 
@@ -38,7 +43,8 @@ def build_from_parameters(values):
     """Return the Pipeline the parameters ask for; raises ConfigurationError."""
     robot = find_shared(values.robot, 'robots')
     model = find_shared(values.model or robot.stem, 'models')
-    return build_pipeline(model, values.method, values.learned or None, robot)
+    return build_pipeline(model, values.method, values.learned or None, robot,
+                          values.tool or None)
 
 
 def _one_sentence(error):
@@ -55,6 +61,8 @@ class EstimatorNode(Node):
         self._set_rates(values)
         self._make_pipeline = make_pipeline
         self._use(make_pipeline(values))
+        self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age)
+        self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
         self._last_status = None
         self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
@@ -62,9 +70,12 @@ class EstimatorNode(Node):
         self._create_inputs(values)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_STATUS_PERIOD, self._publish_status, clock=steady)
+        self.create_timer(_CHECKPOINT_PERIOD, lambda: self._checkpoint.keep(self._pipeline),
+                          clock=steady)
         self._create_diagnostics()
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
-                               f'{self._pipeline.method.name}')
+                               f'{self._pipeline.method.name}; checkpoint: '
+                               f'{self._checkpoint.told}')
 
     def _use(self, pipeline):
         self._model_written = pipeline.model_file.stat().st_mtime
@@ -82,6 +93,7 @@ class EstimatorNode(Node):
         self._residual = publisher(self, JointState, '~/residual_torque', OUTPUT)
         self._markers = publisher(self, MarkerArray, '~/markers', OUTPUT)
         self._status = publisher(self, DiagnosticStatus, '~/status', LATCHED)
+        self._suggested = publisher(self, JointTrajectory, '~/suggested_motion', LATCHED)
 
     def _create_inputs(self, values):
         subscribe_draining(self, JointState, 'joint_states', self._on_joint_state,
@@ -92,6 +104,7 @@ class EstimatorNode(Node):
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(Trigger, '~/tare', self._on_tare)
         self.create_service(Trigger, '~/reload_model', self._on_reload_model)
+        self.create_service(Trigger, '~/suggest_motion', self._on_suggest_motion)
 
     def _create_diagnostics(self):
         self._diagnostics = Diagnostics(self, hardware_id=self._robot.name)
@@ -99,6 +112,7 @@ class EstimatorNode(Node):
         self._diagnostics.add('estimate', self._report_estimate)
         self._diagnostics.add('model', lambda: report_model(
             self._pipeline, self._model_written, self._base))
+        self._diagnostics.add('checkpoint', self._checkpoint.report)
 
     def _on_joint_state(self, message):
         seconds = self._base.seconds(message.header.stamp)
@@ -148,9 +162,13 @@ class EstimatorNode(Node):
         estimate, age = self._current()
         self._last_status = (estimate.status, estimate.load_id)
         name = self.get_fully_qualified_name().lstrip('/')
-        self._status.publish(estimate_status(f'{name}: load', estimate, age,
-                                             self._pipeline.method.name,
-                                             self._pipeline.tared_mass))
+        self._status.publish(self._status_of(f'{name}: load', estimate, age))
+
+    def _status_of(self, name, estimate, age):
+        return estimate_status(name, estimate, age, self._pipeline.method.name,
+                               self._pipeline.tared_mass,
+                               {'tool mass [kg]': self._pipeline.tool_mass,
+                                'checkpoint': self._checkpoint.told})
 
     def _report_input(self):
         rejected = self._pipeline.rejected
@@ -172,8 +190,7 @@ class EstimatorNode(Node):
 
     def _report_estimate(self):
         estimate, age = self._current()
-        status = estimate_status('', estimate, age, self._pipeline.method.name,
-                                 self._pipeline.tared_mass)
+        status = self._status_of('', estimate, age)
         values = [(pair.key, pair.value) for pair in status.values]
         values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
                    ('mass std [kg]', float(estimate.std[0]))]
@@ -181,14 +198,28 @@ class EstimatorNode(Node):
 
     def _on_reset(self, _request, response):
         self._pipeline.reset()
-        self._publish_status()
+        self._after_request()
         response.success, response.message = True, 'the load is forgotten'
         return response
 
     def _on_tare(self, _request, response):
         self._pipeline.tare()
-        self._publish_status()
+        self._after_request()
         response.success, response.message = True, 'what is held now counts as zero'
+        return response
+
+    def _on_suggest_motion(self, _request, response):
+        try:
+            suggestion = self._pipeline.suggest_motion()
+        except SuggestionError as error:
+            response.success, response.message = False, str(error)
+            return response
+        # Without points where there is nothing to do, so that no old suggestion stays latched.
+        message = JointTrajectory(joint_names=self._joints)
+        if suggestion.trajectory is not None:
+            message = trajectory_message(self._joints, suggestion.trajectory)
+        self._suggested.publish(message)
+        response.success, response.message = True, suggestion.text()
         return response
 
     def _on_reload_model(self, _request, response):
@@ -203,10 +234,19 @@ class EstimatorNode(Node):
             response.message = f'{_one_sentence(error)}; {old.model_file} stays at work'
             self.get_logger().warning(f'model refused: {response.message}')
             return response
-        self._publish_status()
+        self._after_request()
         response.success, response.message = True, self._told_of_reload(old)
         self.get_logger().info(response.message)
         return response
+
+    def _after_request(self):
+        """Tell at once, and keep: a kill must not undo what was asked for."""
+        self._checkpoint.keep(self._pipeline, even_if_old=True)
+        self._publish_status()
+
+    def stop(self):
+        """Write the last checkpoint."""
+        self._checkpoint.stop(self._pipeline)
 
     def _told_of_reload(self, old):
         tare = ' and the tare is dropped, tare again' if old.method.tared.any() else ''

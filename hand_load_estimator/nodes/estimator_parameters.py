@@ -12,6 +12,12 @@ ESTIMATOR_PARAMETERS = (
               'gp_...: needs what `hand_load learn-gp` makes', choices=tuple(METHODS)),
     Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one for the '
               'robot\'s joints and effort kind (gp_...: for the model), if any'),
+    Parameter('tool', '', 'load file of a known tool, which may state `std`; the estimate is what '
+              'is held beside it; empty: none'),
+    Parameter('checkpoint', '', 'file in which the estimate survives a restart or kill, written '
+              'once a second; empty: none'),
+    Parameter('checkpoint_max_age', 3600.0, 'age from which a checkpoint is refused: nobody '
+              'knows what the hand did meanwhile', 's', low=1.0, high=1e8),
     Parameter('publish_rate', 50.0, 'highest rate of the load topics', 'Hz', low=1.0,
               high=1000.0, read_only=False),
     Parameter('marker_rate', 10.0, 'rate of the markers; 0: none', 'Hz', low=0.0, high=100.0,

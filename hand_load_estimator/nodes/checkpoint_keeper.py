@@ -1,0 +1,115 @@
+"""Keep a node's checkpoint: restore at the start, write in a thread, tell how it stands."""
+
+from pathlib import Path
+import queue
+import threading
+import time
+
+from ..errors import ConfigurationError
+from ..estimators.checkpoint import (CheckpointError, belongs_to, restore_checkpoint,
+                                     write_checkpoint)
+from .diagnostics import OK, WARN
+
+_LAST_WRITE = 5.0  # [s] a full disk may hold up the end of a node
+
+
+class CheckpointKeeper:
+    """
+    Restore a Pipeline from a file and write its state there again and again.
+
+    path: the file, in a folder that exists, or an empty text for none; max_age [s]: older files
+    are refused. A refused file is put aside under the name `<file>.refused`. told: in words what
+    came of restoring.
+    """
+
+    def __init__(self, path, max_age):
+        self._path = _checked(path) if path else None
+        self._max_age = max_age
+        self._seen, self._written, self._failure, self.refused = None, None, '', False
+        self.told = 'none' if self._path is None else 'no file yet'
+        # One state waits at most: where the disk is slower than the node, the newest counts.
+        self._waiting = queue.Queue(maxsize=1)
+        if self._path is not None:
+            self._writer = threading.Thread(target=self._write_all, daemon=True)
+            self._writer.start()
+
+    def restore(self, pipeline):
+        """Go on from the file where there is one that fits; else the Pipeline starts afresh."""
+        if self._path is None:
+            return
+        if not hasattr(pipeline.method, 'state'):
+            self._path, self.refused = None, True
+            self.told = f'none: method {pipeline.method.name} cannot hand over its state'
+            return
+        if not self._path.exists():
+            return
+        try:
+            self.told = f'restored {restore_checkpoint(self._path, pipeline, self._max_age)}'
+        except CheckpointError as error:
+            self.refused = True
+            self.told = f'refused: {error}; the estimate starts afresh'
+            self._put_aside()
+
+    def _put_aside(self):
+        try:
+            self._path.replace(f'{self._path}.refused')
+        except OSError as error:
+            self._failure = _sentence(error)
+
+    def keep(self, pipeline, even_if_old=False):
+        """Hand the Pipeline's state to the writer when there are data the file does not have."""
+        if self._path is None or (pipeline.samples == self._seen and not even_if_old):
+            return
+        self._seen = pipeline.samples
+        self._hand_over((pipeline.state(), belongs_to(pipeline)))
+
+    def _hand_over(self, item):
+        try:
+            self._waiting.get_nowait()
+        except queue.Empty:
+            pass
+        self._waiting.put(item)
+
+    def stop(self, pipeline):
+        """Write the last state and end the writer."""
+        if self._path is None:
+            return
+        self.keep(pipeline)
+        end = time.monotonic() + _LAST_WRITE
+        try:
+            self._waiting.put(None, timeout=_LAST_WRITE)
+        except queue.Full:
+            return
+        self._writer.join(max(end - time.monotonic(), 0.0))
+
+    def _write_all(self):
+        while True:
+            item = self._waiting.get()
+            if item is None:
+                return
+            try:
+                write_checkpoint(self._path, *item)
+                self._written, self._failure = time.time(), ''
+            except OSError as error:
+                self._failure = _sentence(error)
+
+    def report(self):
+        """Return (level, message, values) for /diagnostics."""
+        values = {'file': self._path or 'none'}
+        if self._written is not None:
+            values['written before [s]'] = time.time() - self._written
+        if self._failure:
+            return WARN, f'cannot be written: {self._failure}', values
+        return WARN if self.refused else OK, self.told, values
+
+
+def _checked(path):
+    path = Path(path).expanduser()
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        raise ConfigurationError('node estimator: parameter checkpoint', 'is not usable',
+                                 str(path), 'the path of a file in a folder that exists')
+    return path
+
+
+def _sentence(error):
+    return ' '.join(str(error).split())

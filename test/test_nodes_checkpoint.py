@@ -1,0 +1,154 @@
+"""The estimator node is killed and goes on; it suggests a motion; it knows its tool."""
+
+from functools import lru_cache
+import math
+import signal
+
+from arm_data import arm_samples, box, Feeder
+from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
+import numpy as np
+import pytest
+from std_srvs.srv import Trigger
+from test_nodes_estimator import Estimator
+from trajectory_msgs.msg import JointTrajectory
+
+from hand_load_estimator.nodes.checkpoint_keeper import CheckpointKeeper
+from hand_load_estimator.nodes.diagnostics import OK, WARN
+from hand_load_estimator.nodes.qos import LATCHED
+from hand_load_estimator.plant import Plant
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
+from hand_load_estimator.shared_files import find_shared
+
+
+@lru_cache(None)
+def standing(seconds=1.0, rate=250.0):
+    """Return samples of the arm of arm_samples, standing with the same load."""
+    plant = Plant(load_robot(find_shared('ur10e', 'robots')), seed=SHIPPED_MODEL_PLANT, rate=rate,
+                  start_position=[0.0, -1.2, 1.5, -0.5, -1.0, 0.3], load=box(3.0))
+    samples = []
+    for _ in range(int(seconds * rate)):
+        plant.step()
+        samples.append((plant.time, *plant.measure()))
+    return samples
+
+
+def started(start, listener, *arguments):
+    """Return an Estimator and a Feeder it listens to."""
+    estimator, feeder = Estimator(start, listener, *arguments), Feeder(listener)
+    listener.until(lambda: estimator.heard['status'], 30.0, 'a status')
+    feeder.wait()
+    feeder.warm()
+    return estimator, feeder
+
+
+@pytest.fixture(scope='module')
+def pipeline():
+    """Return a pipeline that has found a load."""
+    found = warm(pipeline_of(exact_model('four')))
+    feed(found, messages(exact_model('four'), block(2.0), 2.0))
+    return found
+
+
+def test_the_keeper_writes_the_newest_state_and_restores_it(pipeline, tmp_path):
+    keeper = CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    keeper.restore(pipeline)
+    assert keeper.report()[:2] == (OK, 'no file yet')
+    for _ in range(20):
+        keeper.keep(pipeline, even_if_old=True)
+    keeper.stop(pipeline)
+    assert keeper.report()[2]['written before [s]'] < 10.0
+    fresh, again = pipeline_of(exact_model('four')), CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    again.restore(fresh)
+    assert again.told.startswith('restored as it was')
+    np.testing.assert_allclose(fresh.method.belief().mean, pipeline.method.belief().mean,
+                               rtol=1e-3, atol=1e-4)
+    again.stop(fresh)
+
+
+def test_what_is_in_the_file_already_is_not_written_again(pipeline, tmp_path):
+    keeper = CheckpointKeeper(str(tmp_path / 'c'), 60.0)
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    written = (tmp_path / 'c').stat().st_mtime_ns
+    keeper.keep(pipeline)
+    assert (tmp_path / 'c').stat().st_mtime_ns == written
+
+
+def test_a_disk_that_takes_nothing_is_told(pipeline, tmp_path):
+    folder = tmp_path / 'gone'
+    folder.mkdir()
+    keeper = CheckpointKeeper(str(folder / 'c'), 60.0)
+    folder.rmdir()
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    level, message, _ = keeper.report()
+    assert level == WARN and 'cannot be written' in message
+
+
+def test_without_a_file_nothing_is_kept(pipeline):
+    keeper = CheckpointKeeper('', 60.0)
+    keeper.restore(pipeline)
+    keeper.keep(pipeline)
+    keeper.stop(pipeline)
+    assert keeper.report()[:2] == (OK, 'none')
+
+
+def test_killed_it_goes_on_where_it_was(start, listener, tmp_path):
+    path = tmp_path / 'load.checkpoint'
+    estimator, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    feeder.play(arm_samples((3.0,)))
+    listener.spin(2.5)
+    mass, std = estimator.mass()
+    assert abs(mass - 3.0) < max(0.15, 4.0 * std)
+    load_id = estimator.values()['load_id']
+    assert estimator.stopped(signal.SIGKILL)[0] == -signal.SIGKILL and path.is_file()
+    again, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    listener.until(lambda: again.values().get('checkpoint', '').startswith('restored'), 5.0,
+                   'the word that it was restored')
+    assert again.values()['determined'].startswith('1'), 'before any joint state'
+    feeder.play(standing())
+    listener.until(lambda: again.heard['load_variance'], 5.0, 'an estimate')
+    load, variance = again.heard['load'][0].inertia, again.heard['load_variance'][0].inertia
+    assert abs(load.m - mass) < std and 0.8 * std < math.sqrt(variance.m) < 1.25 * std
+    assert again.values()['load_id'] == load_id, 'the same load, as far as a standing arm tells'
+    listener.until(lambda: 'restored' in again.said('checkpoint')[0], 5.0, 'diagnostics')
+    assert again.stopped(signal.SIGTERM)[0] == 0
+    assert [p.name for p in tmp_path.iterdir()] == ['load.checkpoint']
+
+
+def test_a_checkpoint_it_cannot_use_does_not_stop_it(start, listener, tmp_path):
+    path = tmp_path / 'load.checkpoint'
+    path.write_bytes(b'not a checkpoint at all')
+    estimator, feeder = started(start, listener, '-p', f'checkpoint:={path}')
+    feeder.play(standing())
+    listener.until(lambda: 'refused' in estimator.said('checkpoint')[0], 5.0, 'a warning')
+    assert 'damaged' in estimator.values()['checkpoint']
+    assert estimator.values()['determined'].startswith('0')
+    assert estimator.stopped(signal.SIGTERM)[0] == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['load.checkpoint',
+                                                          'load.checkpoint.refused']
+
+
+def test_a_checkpoint_in_no_folder_is_a_wrong_parameter(start, tmp_path):
+    node = start('estimator', '--ros-args', '-p', f'checkpoint:={tmp_path}/none/file')
+    assert node.wait(30.0) == 2
+    assert 'checkpoint' in node.output and node.output.count('\n') == 1, node.output
+
+
+def test_it_suggests_a_motion_and_knows_its_tool(start, listener, tmp_path):
+    tool = tmp_path / 'tool.yaml'
+    tool.write_text('mass: 1.25\ncom: [0, 0, 0.05]\nstd: {mass: 0.01}\n')
+    estimator, feeder = started(start, listener, '-p', f'tool:={tool}')
+    heard = listener.listen(JointTrajectory, 'estimator/suggested_motion', LATCHED)
+    answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request())
+    assert not answer.success and 'no joint states' in answer.message
+    feeder.play(standing())
+    answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request(), timeout=30.0)
+    assert answer.success and 'not determined: mass' in answer.message, answer.message
+    listener.until(lambda: heard, 5.0, 'the motion')
+    points = heard[-1].points
+    assert list(heard[-1].joint_names) == list(feeder.joints) and len(points) == 2
+    np.testing.assert_allclose(points[-1].positions, standing()[0][1], atol=1e-3)
+    assert not any(points[-1].velocities)
+    assert estimator.values()['tool mass [kg]'] == '1.25'

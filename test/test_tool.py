@@ -1,0 +1,86 @@
+"""A known tool and an unknown workpiece are told apart by configuration."""
+
+from core_helpers import (block, exact_model, feed, Message, messages, swing, torque_of,
+                          warm)
+import numpy as np
+import pytest
+
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.estimators.checkpoint import belongs_to
+from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.load_file import write_load_file
+from hand_load_estimator.model_file import write_model
+from hand_load_estimator.tool import read_tool
+
+TOOL, PART = block(1.5), block(2.0, (0.0, 0.05, 0.15))
+
+
+@pytest.fixture(scope='module')
+def model():
+    return exact_model('four')
+
+
+@pytest.fixture
+def pipelines(model, tmp_path):
+    """Return make(std text) -> a Pipeline that knows the tool with that std."""
+    write_model(tmp_path / 'm.yaml', model)
+
+    def make(std='', mass=TOOL.mass):
+        tool = tmp_path / 'tool.yaml'
+        write_load_file(tool, LoadParameters(mass, TOOL.com, TOOL.inertia))
+        tool.write_text(tool.read_text() + std)
+        return warm(build_pipeline(tmp_path / 'm.yaml', 'bayes', tool_path=tool))
+    return make
+
+
+@pytest.fixture(scope='module')
+def both(model):
+    """Return Messages of the arm with tool and workpiece."""
+    robot, times = model.robot, np.arange(500) / 100.0
+    q, v, a = swing(robot, times, seed=4)
+    torque = torque_of(model, q, v, a, 0.01, 25.0, [(0, TOOL)])
+    torque += np.array([robot.load_regressor(*row) @ PART.to_products()
+                        for row in zip(q, v, a)])
+    return [Message(100.0 + t, robot.joints, *row) for t, *row in zip(times, q, v, torque)]
+
+
+def test_the_estimate_is_the_workpiece_alone(pipelines, both):
+    pipeline = pipelines()
+    last = feed(pipeline, both)[-1]
+    assert (np.abs(last.mean - PART.to_message()) < 3.5 * last.std + 1e-9)[:4].all()
+    assert pipeline.tool_mass == TOOL.mass and pipeline.tared_mass == 0.0
+
+
+def test_a_bare_tool_is_no_load(pipelines, model):
+    last = feed(pipelines(), messages(model, TOOL, 5.0))[-1]
+    assert abs(last.mean[0]) < 3.0 * last.std[0] + 0.01
+
+
+def test_what_is_not_known_of_the_tool_is_not_known_of_the_workpiece(pipelines, both):
+    """A tool of 0.2 kg less than stated, and stated to 0.2 kg: the interval must hold that."""
+    sure = feed(pipelines(), both)[-1].std
+    last = feed(pipelines('std: {mass: 0.2, com: [0.01, 0.01, 0.01]}\n', TOOL.mass + 0.2),
+                both)[-1]
+    assert 0.15 < last.std[0] < 0.25 and sure[0] < 0.05
+    assert abs(last.mean[0] - PART.mass) < 2.0 * last.std[0]
+
+
+def test_a_reset_keeps_the_tool(pipelines, both):
+    pipeline = pipelines()
+    pipeline.reset()
+    assert abs(feed(pipeline, both)[-1].mean[0] - PART.mass) < 0.1
+
+
+def test_a_checkpoint_belongs_to_its_tool(pipelines):
+    assert belongs_to(pipelines()) != belongs_to(pipelines(mass=1.6))
+
+
+@pytest.mark.parametrize('text, said', [
+    ('mass: -1\n', 'mass'), ('mass: 1\nstd: {weight: 1}\n', 'weight'),
+    ('mass: 1\nstd: {com: [1, 2]}\n', 'com'), ('mass: 1\nstd: {mass: -1}\n', 'mass'),
+    ('', 'mapping')])
+def test_a_wrong_tool_file_is_refused(tmp_path, text, said):
+    (tmp_path / 't.yaml').write_text(text)
+    with pytest.raises(ConfigurationError, match=said):
+        read_tool(tmp_path / 't.yaml')
