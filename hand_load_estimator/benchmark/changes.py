@@ -12,6 +12,7 @@ from ..robot import load_robot
 from ..simulate_motions import named_motion
 from .cases import draw_load, identification_evidence, motion_start, stream_samples
 from .contestants import chosen_methods, our_contestants
+from .suites import CASES_PER_PLANT
 
 KINDS = ('pick', 'exchange', 'drop', 'slip')
 DURATION = 14.0           # [s] of a run with a change
@@ -19,6 +20,7 @@ CHANGE_AT = (5.0, 8.0)    # [s] from its start
 # A slip that counts: mass times shift [kg m], for a rated load of 12.5 kg.
 SLIP = (0.1, 0.3)
 LEAST_MASS = 1.0          # [kg] of a load that is picked up, dropped or exchanged; likewise
+PLANTS = 10
 RUNNING = 1800.0          # [s] of one run without a change, cold at its start
 COLD = 15.0               # [degC]
 
@@ -96,14 +98,14 @@ def measure_running(robot_path, plant, seed, seconds, learned, methods):
 
 def change_jobs(robot_path, count, hours, learned, methods, development=False):
     """
-    Return {label: (function, *arguments)} of `count` changes and `hours` of running.
+    Return {label: arguments of measure_job} of `count` changes and `hours` of running.
 
-    Two functions in one run: measure_change and measure_running take turns by label.
+    Every plant meets every kind; running goes in parts of half an hour, each cold at its start.
     """
     plants = seeds.DEVELOPMENT_PLANTS[50:] if development else seeds.BENCHMARK_PLANTS
     own = seeds.DEVELOPMENT_CASES if development else seeds.BENCHMARK_CASES
     # Behind the accuracy suites' and the effects suite's seeds.
-    own, many = own[70_000:], max(1, min(10, count))
+    own, many = own[70_000:], min(PLANTS, -(-count // CASES_PER_PLANT))
     each, jobs = -(-count // many), {}
     for k in range(count):
         plant = plants[k // each]
