@@ -146,8 +146,10 @@ def _trust_rows(contents, base):
                     f'{found["missed"]} of {found["changes"]} missed',
                     bool(found['delay_p95'] <= 0.2 and not found['missed'])))
     per_ten = 10.0 * found['false_alarms'] / found['hours'] if found['hours'] else float('nan')
-    return [*out, _row(*false, f'{found["false_alarms"]} in {found["hours"]:.1f} h',
-                       bool(found['hours'] >= 10.0 and per_ten < 1.0))]
+    enough = found['hours'] >= 10.0
+    told = f'{found["false_alarms"]} in {found["hours"]:.1f} h'
+    return [*out, _row(*false, told + ('' if enough else '; too few to count'),
+                       bool(enough and per_ten < 1.0))]
 
 
 def _cold_row(cold, warm):

@@ -35,13 +35,14 @@ def change_blocks(content):
 
 def _draw_delays(figure, methods):
     axes = figure.subplots()
+    end = max([1.0, *(1.05 * delay for m in methods.values() for delay in m['delays'])])
     for name, m in methods.items():
         delays = np.sort(m['delays'])
-        axes.step([0.0, *delays], [0.0, *(np.arange(1, len(delays) + 1) / max(m['changes'], 1))],
-                  where='post', label=name)
+        share = np.arange(len(delays) + 1) / max(m['changes'], 1)
+        axes.step([0.0, *delays, end], [*share, share[-1]], where='post', label=name)
     axes.axvline(0.2, color='0.6', linestyle=':')
     axes.set(xlabel='delay after motion [s]', ylabel='share of changes seen', ylim=(0.0, 1.02),
-             xscale='symlog')
+             xlim=(0.0, end))
     figure.legend(loc='outside lower center', ncols=3, fontsize='small')
 
 
