@@ -94,10 +94,12 @@ def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
 def test_the_page_shows_what_was_measured():
     results = [result(k, k, off=0.25) for k in range(3)]
     scores = score(results, 12.5)
-    content = {'scores': scores, 'overview': overview(results)}
+    content = {'scores': scores, 'overview': overview(results), 'failed': 2,
+               'fell_back': ['gru']}
     page = to_markdown(suite_blocks('Accuracy', 'all sorts', content, verdicts(scores),
                                     'hand_load benchmark', 'abc1234'))
     assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page and 'all sorts' in page
+    assert '2 plants could not be measured' in page and '`gru` would run as `bayes`' in page
     assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
 
 

@@ -139,6 +139,13 @@ def _cost_blocks(counts):
          f'mean / {REGRESSOR}', 'p99 / the same'], rows)]
 
 
+def _fallback(names):
+    if not names:
+        return ''
+    return (f' No learned artefact for this arm: {", ".join(f"`{name}`" for name in names)} would '
+            f'run as `{WITHOUT_NETWORK}` and is not shown twice.')
+
+
 def suite_blocks(title, about, content, verdict_rows, command, commit):
     """Return the blocks of a suite's page; content: as of scores.json."""
     scores, counts = content['scores'], content['overview']
@@ -150,7 +157,8 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
              f'False load changes: {counts["false_load_changes"]} cases.'
              + (f' Cases: {about}.' if about else '')
              + (f' **{content["failed"]} plants could not be measured.**'
-                if content.get('failed') else '')),
+                if content.get('failed') else '')
+             + _fallback(content.get('fell_back'))),
         Text(f'Command: `{command}`, commit {commit}.')]
     if verdict_rows:
         out.append(Table(['goal', 'wanted', 'measured', 'reached'], [

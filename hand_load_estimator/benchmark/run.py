@@ -131,7 +131,8 @@ def _accuracy(name, robot_path, options, raw, write):
     content = {'overview': overview(results), 'scores': scores,
                'inertia': inertia_scores(results) if name == 'inertia' else {},
                'network': network_shares(scores), 'offline': offline_scores(results),
-               'failed': len(jobs) - len(found)}
+               'failed': len(jobs) - len(found),
+               'fell_back': [m for m in chosen_methods(options.methods) if m not in scores]}
     about = suite.about + (f'; {robot.name}: {friction_told(robot)}' if name in ARM_SUITES else '')
     told = verdicts(scores) if name in ('base', 'development') and DEFAULT in scores else ()
     return content, lambda command, commit: suite_blocks(
