@@ -34,7 +34,10 @@ setup(
                       'rosbags', 'safetensors', 'scipy', 'torch'],
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
-        'test': ['colcon-common-extensions', 'pytest'],
+        'test': ['colcon-common-extensions', 'example-robot-data', 'pytest'],
+        # hand_load benchmark --rivals, --backend.
+        'rivals': ['figaroh', 'mujoco[sysid]'],
+        'cluster': ['joblib'],
     },
     license='Apache-2.0',
     description="Estimate the load on a robot's hand, with variance, and use it",

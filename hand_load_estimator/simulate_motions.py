@@ -29,7 +29,8 @@ def middle_pose(robot):
     return np.where((limits.lower < -0.5) & (limits.upper > 0.5), 0.0, centre)
 
 
-def _box(robot):
+def box(robot):
+    """Return the lowest and highest joint positions (n,) that motions keep between [rad]."""
     middle, limits = middle_pose(robot), robot.limits
     low = np.maximum(middle - REACH, limits.lower + _MARGIN)
     high = np.minimum(middle + REACH, limits.upper - _MARGIN)
@@ -60,7 +61,7 @@ def _move(robot, start, goal, speed):
 
 def pick_place(robot, duration, speed, rng):
     """Return random point-to-point moves with dwells between, as a cell has them."""
-    low, high = _box(robot)
+    low, high = box(robot)
     here = _bearable_pose(robot, low, high, rng)
     parts, end = [hold(here, rng.uniform(*_DWELL))], 0.0
     end = parts[0].end
@@ -96,14 +97,14 @@ def _bearable_pose(robot, low, high, rng):
 
 def excite(robot, duration, speed, rng):
     """Return a random multi-sine of all joints that starts and ends at rest."""
-    low, high = _box(robot)
+    low, high = box(robot)
     middle, limits = 0.5 * (low + high), robot.limits
     knots = max(int(round(duration / _KNOT)), 4)
     time = np.linspace(0.0, duration, knots + 1)
     omega = 2.0 * np.pi * _FREQUENCIES * speed
     weight = rng.uniform(0.2, 1.0, (len(omega), robot.n)) / omega[:, None]
     phase = rng.uniform(0.0, 2.0 * np.pi, weight.shape)
-    motion = _windowed(time, min(_RAMP / speed, 0.4 * duration), omega, weight, phase)
+    motion = faded_sines(time, min(_RAMP / speed, 0.4 * duration), omega, weight, phase)
     peaks = [np.max(np.abs(column), axis=0) for column in motion]
     scale = np.min([0.5 * (high - low) / peaks[0], 0.95 * speed * limits.velocity / peaks[1],
                     0.95 * speed ** 2 * limits.acceleration / peaks[2]], axis=0)
@@ -115,8 +116,12 @@ def excite(robot, duration, speed, rng):
     return Trajectory(time, middle + q, v, a)
 
 
-def _windowed(time, ramp, omega, weight, phase):
-    """Return q, v, a (N, n) of a sum of sines that fades in and out over `ramp` [s]."""
+def faded_sines(time, ramp, omega, weight, phase):
+    """
+    Return q, v, a (N, n) of a sum of sines that fades in and out over `ramp` [s].
+
+    time (N,) [s]; omega (k,) [rad/s]; weight (k, n) [rad], phase (k, n) [rad].
+    """
     angle = omega[:, None] * time
     waves = [np.zeros((len(time), weight.shape[1])) for _ in range(3)]
     for k, w in enumerate(omega):
@@ -140,7 +145,7 @@ def _window(time, ramp):
 
 def stand(robot, duration, speed, rng):
     """Return standing still in a random pose."""
-    return hold(_bearable_pose(robot, *_box(robot), rng), duration)
+    return hold(_bearable_pose(robot, *box(robot), rng), duration)
 
 
 MOTIONS = {'pick_place': pick_place, 'excite': excite, 'hold': stand}

@@ -68,6 +68,10 @@ class ToolFollower:
         """Forget the path, as after a gap in the data."""
         self._follower.restart()
 
+    def carry(self, belief, method):
+        """Take a Method's Belief of what is held beside the tool."""
+        self._follower.carry(belief, method, self._tool.products)
+
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
         seen = self._follower.update(sample)

@@ -357,10 +357,14 @@ class ModelFollower:
         self._late_load.restart()
         self._teeth = [PlayState() for _ in self.model.robot.joints]
 
-    def carry(self, belief, method):
-        """Take a Method's Belief of the load: its torque too decides when teeth part."""
+    def carry(self, belief, method, beside=0.0):
+        """
+        Take a Method's Belief of the load: its torque too decides when teeth part.
+
+        beside: products (10,) of what is held and not in the belief.
+        """
         if 'play' in self.model.layout.needs:
-            self._carried = products_from_message(belief.mean) + method.tared
+            self._carried = products_from_message(belief.mean) + method.tared + beside
 
     def _believed(self, x):
         """Return the torque (n,) [Nm] of what is believed to be held."""

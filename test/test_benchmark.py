@@ -10,8 +10,11 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
-from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models, run_case)
-from hand_load_estimator.benchmark.page import markdown, picture
+from hand_load_estimator.benchmark.document import to_markdown
+from hand_load_estimator.benchmark.execute import stored
+from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
+                                                   robot_and_models, run_case)
+from hand_load_estimator.benchmark.page import suite_blocks
 from hand_load_estimator.benchmark.rivals import FixedLoad, LeastSquares
 from hand_load_estimator.benchmark.scores import complete, overview, score, verdicts
 from hand_load_estimator.errors import ConfigurationError
@@ -100,14 +103,16 @@ def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
     assert counts['microseconds_per_sample']['bayes'] == pytest.approx(2000.0)
 
 
-def test_the_page_shows_what_was_measured(tmp_path):
+def test_the_page_shows_what_was_measured():
     results = [result(k, k, off=0.25) for k in range(3)]
     scores = score(results, 12.5)
-    page = markdown(scores, overview(results), verdicts(scores), 'hand_load benchmark', 'abc1234')
-    assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page
+    content = {'scores': scores, 'overview': overview(results), 'failed': 2,
+               'fell_back': ['gru']}
+    page = to_markdown(suite_blocks('Accuracy', 'all sorts', content, verdicts(scores),
+                                    'hand_load benchmark', 'abc1234'))
+    assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page and 'all sorts' in page
+    assert '2 plants could not be measured' in page and '`gru` would run as `bayes`' in page
     assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
-    picture(scores, tmp_path / 'mass.png')
-    assert (tmp_path / 'mass.png').stat().st_size > 5000
 
 
 # The bound.
@@ -236,38 +241,46 @@ def test_motion_start_is_the_first_move_of_a_joint_that_gravity_loads():
     assert cases.motion_start(robot, samples[:-1]) is None
 
 
+def broken(*_):
+    raise RuntimeError('measured again')
+
+
 def test_what_is_there_is_kept(tmp_path):
     path = tmp_path / 'plant_1234.json'
     path.write_text('[]')
-    assert measure_plant('no robot is read', 1234, [1, 2], None, tmp_path) == path
+    assert stored(broken, 'plant_1234', (), tmp_path) == ([], False)
     assert path.read_text() == '[]'
+    with pytest.raises(RuntimeError):
+        stored(broken, 'plant_1235', (), tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ['plant_1234.json']
 
 
 def test_an_unknown_suite_is_refused(tmp_path):
     with pytest.raises(ConfigurationError, match='--suite.*magic.*base'):
-        run.run_suite('magic', 'ur10e', None, tmp_path, '')
+        run.run_suites('magic', run.Options(), tmp_path, '')
 
 
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Plants measured before are read, not measured again."""
     plants = seeds.BENCHMARK_PLANTS[:2]
-    monkeypatch.setitem(run.SUITES, 'base', (plants, seeds.BENCHMARK_CASES, 1))
     monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'abc'})
+    monkeypatch.setattr(run, 'measure_plant', broken)
     (tmp_path / 'raw').mkdir()
     for k, plant in enumerate(plants):
         (tmp_path / 'raw' / f'plant_{plant}.json').write_text(
             json.dumps([result(plant, k, off=0.1)]))
-    told = []
-    page = run.run_suite('base', 'ur10e', None, tmp_path, 'the command', told.append)
-    assert 'the command' in page and len(told) == 2
+    options = run.Options(cases=8, workers=0)
+    page = run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
+    assert 'the command' in page and '2 of 2 cases from 2 plants' in page
     assert (tmp_path / 'README.md').read_text() == page
+    assert '<img src="data:image/svg+xml' in (tmp_path / 'index.html').read_text()
     content = json.loads((tmp_path / 'scores.json').read_text())
     assert content['schema'] == 'hand_load/benchmark/1'
     assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
-    assert (tmp_path / 'mass.png').is_file()
+    assert (tmp_path / 'mass.png').stat().st_size > 5000
     monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'def'})
     with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):
-        run.run_suite('base', 'ur10e', None, tmp_path, 'the command', told.append)
+        run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
 
 
 def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
@@ -279,8 +292,10 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     robot_path = tmp_path / 'arm.yaml'
     robot_path.write_text(yaml.safe_dump(four_axes().file.content))
     plant, seed = seeds.DEVELOPMENT_PLANTS[90], seeds.DEVELOPMENT_CASES[995]
-    path = measure_plant(robot_path, plant, [seed], None, tmp_path)
-    (found,) = json.loads(path.read_text())
+    arguments = 'base', str(robot_path), plant, [seed], None, None, ()
+    stored(measure_plant, 'plant', arguments, tmp_path)
+    robot_and_models.cache_clear()
+    (found,) = json.loads((tmp_path / 'plant.json').read_text())
     assert not list(tmp_path.glob('*.part'))
     assert found['plant'] == plant and found['seed'] == seed and len(found['bound']) == 3
     truth = np.array(found['load'])
@@ -292,6 +307,10 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert error['bayes'] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
+    assert set(found['cost']) == {*found['methods'], 'one pinocchio load regressor call'}
+    assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
+    # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
+    assert 'lstm' not in found['methods']
 
 
 def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal(monkeypatch):

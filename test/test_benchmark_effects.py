@@ -20,7 +20,7 @@ from hand_load_estimator.benchmark.effect_page import effects_markdown, findings
 from hand_load_estimator.benchmark.effect_scores import (confusions, effect_rows, pair_rows,
                                                          totals, verdicts)
 from hand_load_estimator.benchmark.effect_truth import COMPARABLE, model_change, true_change
-from hand_load_estimator.benchmark.run import SUITES
+from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.identification import identify, prepare
 from hand_load_estimator.load import LoadParameters
@@ -55,7 +55,8 @@ def test_the_same_seeds_give_the_same_cases_and_development_others():
     assert suite_cases(robot) == suite_cases(robot)
     plants = {c.plant for c in suite_cases(robot)}
     looked_at = {c.plant for c in suite_cases(robot, development=True)}
-    assert plants <= set(seeds.BENCHMARK_PLANTS) and not plants & set(SUITES['base'][0])
+    accuracy = {plant for plant, _ in cases_of(SUITES['base'], 2000)}
+    assert plants <= set(seeds.BENCHMARK_PLANTS) and not plants & accuracy
     assert looked_at <= set(range(540, 600))
 
 
@@ -63,8 +64,8 @@ def test_loads_are_of_no_other_plant_or_suite():
     plants = sorted({c.plant for c in suite_cases(ur10e())})
     drawn = [seed for plant in plants for seed in load_seeds(plant, 6)]
     assert len(set(drawn)) == 6 * len(plants) and set(drawn) <= set(seeds.BENCHMARK_CASES)
-    base, own, per_plant = SUITES['base']
-    assert not set(drawn) & set(own[:len(base) * per_plant])
+    accuracy = {seed for _, part in cases_of(SUITES['base'], 2000) for seed in part}
+    assert not set(drawn) & accuracy
     assert set(load_seeds(545, 6)) <= set(seeds.DEVELOPMENT_CASES)
 
 

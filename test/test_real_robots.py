@@ -14,10 +14,10 @@ from ros_helpers import ROOT
 sys.path.insert(0, str(ROOT / 'scripts'))
 
 from real_recordings import __main__ as command  # noqa: E402
-from real_recordings.robots import ARMS, write_robot_file  # noqa: E402
-from real_recordings.sets import SETS, cut, stage  # noqa: E402
 from real_recordings.table import HEAD, table  # noqa: E402
 
+from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file  # noqa: E402
+from hand_load_estimator.benchmark.real_sets import cut, SETS, stage  # noqa: E402
 from hand_load_estimator.cli import main  # noqa: E402
 from hand_load_estimator.errors import RecordingError  # noqa: E402
 from hand_load_estimator.recording import (  # noqa: E402

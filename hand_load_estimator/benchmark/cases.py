@@ -10,7 +10,9 @@ from ..joint_stream import JointStream
 from ..load import LoadParameters
 from ..motion import Motion
 from ..plant import TemperatureEvent, simulate_motion
+from ..plant.effects_file import parse_effects
 from ..simulate_motions import named_motion
+from .wrist_swing import wrist_swing, WRIST_SWING
 
 # No-load recordings every model is identified from: motion, temperature [degC], seconds.
 IDENTIFICATION = (('excite', 15.0, 40.0), ('pick_place', 25.0, 40.0), ('excite', 36.0, 40.0),
@@ -23,31 +25,52 @@ SPEEDS = (0.3, 1.0)
 
 @dataclass(frozen=True)
 class Case:
-    """One run: plant seed, case seed, load, start temperature [degC], speed (share), motion."""
+    """
+    One run: plant seed, case seed, load, start temperature [degC], speed (share), motion.
+
+    hidden: entries of an effects file, what happened to the arm after its identification.
+    """
 
     plant: int
     seed: int
     load: LoadParameters
     temperature: float
     speed: float
+    motion: str = 'pick_place'
+    hidden: tuple = ()
 
 
-def draw_case(robot, plant, seed):
-    """Return the Case of a seed: an ellipsoid of mass anywhere around the rated place."""
-    rng = np.random.default_rng(seed)
+def draw_load(robot, rng, masses=(0.0, HEAVIEST), radii=(0.03, 0.2), off=0.1):
+    """
+    Return an ellipsoid around the rated place as LoadParameters.
+
+    masses [kg], half axes and distance from the rated place along each axis [m] are those of a
+    rated load of 12.5 kg; other robots' are scaled.
+    """
     scale = robot.rated_load.mass / 12.5
     size = scale ** (1.0 / 3.0)
-    mass = rng.uniform(0.0, HEAVIEST * scale)
-    radii = rng.uniform(0.03, 0.2, 3) * size
-    moments = mass / 5.0 * (np.sum(radii ** 2) - radii ** 2)
+    mass = rng.uniform(masses[0] * scale, masses[1] * scale)
+    half = rng.uniform(*radii, 3) * size
+    moments = mass / 5.0 * (np.sum(half ** 2) - half ** 2)
     axes, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    com = robot.rated_load.com + rng.uniform(-0.1, 0.1, 3) * size
-    load = LoadParameters(mass, com, axes @ np.diag(moments) @ axes.T)
-    return Case(plant, seed, load, rng.uniform(*TEMPERATURES), rng.uniform(*SPEEDS))
+    com = robot.rated_load.com + rng.uniform(-off, off, 3) * size
+    return LoadParameters(mass, com, axes @ np.diag(moments) @ axes.T)
 
 
-def _samples(robot, events):
-    stream, out = JointStream(robot), []
+def draw_case(robot, plant, seed, temperatures=TEMPERATURES, speeds=SPEEDS):
+    """
+    Return the Case of a seed: an ellipsoid of mass anywhere around the rated place.
+
+    The same seed draws the same load, and the same place within other ranges.
+    """
+    rng = np.random.default_rng(seed)
+    load = draw_load(robot, rng)
+    return Case(plant, seed, load, rng.uniform(*temperatures), rng.uniform(*speeds))
+
+
+def stream_samples(robot, events):
+    """Yield the MotionSamples of a plant's events, but for those right after a gap."""
+    stream = JointStream(robot)
     for event in events:
         if isinstance(event, TemperatureEvent):
             for joint, celsius in zip(robot.joints, event.celsius):
@@ -56,14 +79,13 @@ def _samples(robot, events):
         sample = stream.joint_state(event.stamp, robot.joints, event.position, event.velocity,
                                     event.effort)
         if sample is not None and not sample.fresh:
-            out.append(sample)
-    return out
+            yield sample
 
 
 def simulated(robot, motion, **arguments):
     """Return the MotionSamples of a motion; arguments: as of Plant."""
-    return _samples(robot, simulate_motion(
-        robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments))
+    return list(stream_samples(robot, simulate_motion(
+        robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments)))
 
 
 def identification_evidence(robot, plant, effects=()):
@@ -78,9 +100,17 @@ def identification_evidence(robot, plant, effects=()):
     return out
 
 
+def case_motion(robot, case):
+    """Return the Trajectory of a Case."""
+    if case.motion == WRIST_SWING:
+        return wrist_swing(robot, DURATION, np.random.default_rng([case.seed, 7]))
+    return named_motion(case.motion, robot, DURATION, case.speed, case.seed)
+
+
 def case_samples(robot, case, effects=()):
-    """Return the MotionSamples of a Case."""
-    motion = named_motion('pick_place', robot, DURATION, case.speed, case.seed)
+    """Return the MotionSamples of a Case; effects: EffectRequests beside the case's own."""
+    motion = case_motion(robot, case)
+    effects = (*effects, *parse_effects(list(case.hidden), robot, f'case {case.seed}'))
     return simulated(robot, motion, seed=case.plant, run=case.seed,
                      start_temperature=case.temperature, load=case.load, effects=effects)
 

@@ -6,7 +6,7 @@ from ..estimators.bayes import Bayes
 from ..motion import MotionSample
 from ..torque_model import ModelFollower
 from .cases import motion_start
-from .measure import Contestant
+from .contestants import Contestant
 
 MOVING = 0.02            # [rad/s] a joint that stands tells little of its torque
 MASS_TIME = 3.0          # [s] after motion start

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from .document import markdown_table
 from .effect_outcome import RIGHT
 from .effect_recordings import DIAGNOSED, LOADED
 from .effect_scores import (confusions, effect_rows, measured, pair_rows, totals, tried, verdicts)
-from .page import _table
 
 _NONE = '-'
 
@@ -24,7 +24,7 @@ def effects_markdown(results, command, commit):
         'A torque ratio is that of the joint where it is largest.',
         f'Command: `{command}`, commit {commit}. Seconds are wall clock of one process among as '
         'many as there are cores.',
-        _table(['goal', 'wanted', 'measured', 'reached'], [
+        markdown_table(['goal', 'wanted', 'measured', 'reached'], [
             [what, goal, value, 'yes' if good else '**no**']
             for what, goal, value, good in verdicts(total)]),
         '## One effect', _effects_table(results),
@@ -63,23 +63,24 @@ def _effects_table(results):
         rows.append([f'`{row["name"]}`', f'{row["strength"]:g}', f'{right} of {row["cases"]}',
                      _counts(row['outcomes']), joint, _counts(row['false']),
                      _arrow(row['torque'], 2), *_mass(row), seconds])
-    return _table(['effect', 'strength', 'right', 'outcome', 'joint right', 'false beside',
-                   'torque, x no effect', 'mass at 3 s, x', 'mass at the end, x', 's'], rows)
+    head = ['effect', 'strength', 'right', 'outcome', 'joint right', 'false beside',
+            'torque, x no effect', 'mass at 3 s, x', 'mass at the end, x', 's']
+    return markdown_table(head, rows)
 
 
 def _parameter_table(results):
     rows = [[f'`{row["name"]}`', f'{row["strength"]:g}', name, f'{100.0 * error:.0f}']
             for row in effect_rows(results) for name, error in row['parameters'].items()]
-    return _table(['effect', 'strength', 'figure', 'median error [% of truth]'], rows)
+    return markdown_table(['effect', 'strength', 'figure', 'median error [% of truth]'], rows)
 
 
 def _confusion_table(results):
-    return _table(['hidden', 'confirmed'], [
+    return markdown_table(['hidden', 'confirmed'], [
         [f'`{name}`', _counts(counts)] for name, counts in confusions(results).items()])
 
 
 def _pair_table(results):
-    return _table(['plant', 'hidden', 'outcome', 'false beside'], [
+    return markdown_table(['plant', 'hidden', 'outcome', 'false beside'], [
         [str(row['plant']), ', '.join(f'`{name}`' for name in row['names']),
          ', '.join(row['outcomes']), ', '.join(row['false']) or _NONE]
         for row in pair_rows(results)])

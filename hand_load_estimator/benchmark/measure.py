@@ -1,89 +1,69 @@
-"""Run every method on every case of one plant; one JSON per plant, so that a kill costs little."""
+"""Run every method on every case of one plant."""
 
-from dataclasses import replace
-import json
-import os
-from pathlib import Path
-import time
+import atexit
+from functools import lru_cache
+import shutil
+import tempfile
 
 import numpy as np
 
-from ..estimators.bayes import Bayes
-from ..estimators.build import build_method
+from ..estimators.build import determined_std, ON_DIFFERENCE
 from ..identification import identify, nominal_model
+from ..learning.learn_difference import learn_difference
 from ..plant import Plant
 from ..robot import load_robot
-from ..torque_model import ModelFollower
 from .bound import Bound
-from .cases import case_samples, draw_case, identification_evidence, motion_start
-from .rivals import COULOMB_VISCOUS, FixedLoad, LeastSquares
+from .cases import case_samples, identification_evidence, motion_start
+from .contestants import chosen_methods, contestants, cost_of, DEFAULT, REGRESSOR, RegressorClock
+from .offline import offline_beliefs
+from .rivals import COULOMB_VISCOUS
+from .suites import SUITES
 
 TIMES = (0.1, 0.2, 0.5, 1.0, 3.0, 10.0)   # [s] after motion start; the end of the run follows
 MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 RATE = 500.0                              # [Hz] of the simulated joint states
 
 
-class Contestant:
+def plant_models(robot, plant, effects=(), difference=None):
     """
-    A method with the torque model it looks through.
+    Return the models of one plant: ours, the textbook one, the nominal one.
 
-    blind: temperatures are withheld from both. seconds: time spent so far.
+    difference: a folder to write what ours leaves without load into, or None.
     """
-
-    def __init__(self, model, method, blind=False):
-        self._follower = ModelFollower(model) if model is not None else None
-        self._blind, self.seconds = blind, 0.0
-        self.method = method(self._follower)
-
-    def update(self, sample):
-        """Take one MotionSample; return the Belief."""
-        began = time.perf_counter()
-        if self._blind:
-            sample = replace(sample, temperature=np.full_like(sample.temperature, np.nan))
-        prediction = self._follower.update(sample) if self._follower else None
-        belief = self.method.update(sample, prediction)
-        if self._follower:
-            self._follower.carry(belief, self.method)
-        self.seconds += time.perf_counter() - began
-        return belief
-
-
-def contestants(robot, models, learned):
-    """Return {name: Contestant}, fresh for one case."""
-    ours, textbook, nominal = models['ours'], models['textbook'], models['nominal']
-
-    def lstm(follower):
-        return build_method(ours, follower.uncertainties, 'lstm', learned)
-
-    return {
-        'lstm': Contestant(ours, lstm),
-        'bayes': Contestant(ours, lambda f: Bayes(ours, f.uncertainties)),
-        'lstm, temperatures withheld': Contestant(ours, lstm, blind=True),
-        'least squares, Coulomb + viscous': Contestant(
-            textbook, lambda f: LeastSquares(textbook, skip_standing=False)),
-        'the same, standing joints left out': Contestant(
-            textbook, lambda f: LeastSquares(textbook, skip_standing=True)),
-        'recursive least squares, nominal model': Contestant(
-            nominal, lambda f: LeastSquares(nominal, skip_standing=False)),
-        'fixed rated load': Contestant(None, lambda f: FixedLoad(robot))}
-
-
-def plant_models(robot, plant, effects=()):
-    """Return the models of one plant: ours, the textbook one, the nominal one."""
     evidence = identification_evidence(robot, plant, effects)
     noise = Plant(robot, seed=plant).noise
-    return {'ours': identify(robot, evidence),
-            'textbook': identify(robot, evidence, COULOMB_VISCOUS),
-            'nominal': nominal_model(robot, noise ** 2 / RATE)}
+    models = {'ours': identify(robot, evidence),
+              'textbook': identify(robot, evidence, COULOMB_VISCOUS),
+              'nominal': nominal_model(robot, noise ** 2 / RATE)}
+    if difference:
+        learn_difference(difference, models['ours'], evidence)
+        models['difference'] = difference
+    return models
 
 
-def run_case(robot, case, models, learned, effects=()):
-    """Return the plain result of one case: errors and stds of every method at every time."""
+# Suites share plants: one process often meets the same plant again.
+@lru_cache(maxsize=2)
+def robot_and_models(robot_path, plant, with_difference):
+    """Return the Robot of a file and the models of one plant seed."""
+    robot = load_robot(robot_path)
+    if not with_difference:
+        return robot, plant_models(robot, plant)
+    folder = tempfile.mkdtemp(prefix='hand_load_')
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return robot, plant_models(robot, plant, difference=folder)
+
+
+def run_case(robot, case, models, learned=None, methods=None, rivals=(), effects=()):
+    """
+    Return the plain result of one case: errors and stds of every method at every time.
+
+    methods: names of ours (None: all); rivals: names of offline ones.
+    """
     samples = case_samples(robot, case, effects)
     start = motion_start(robot, samples)
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
-    methods = contestants(robot, models, learned)
-    rows = {name: [] for name in methods}
+    racing = contestants(robot, models, chosen_methods(methods), learned)
+    clock, rows = RegressorClock(robot), {name: [] for name in racing}
     bounds, due = [], list(TIMES)
 
     def note(beliefs):
@@ -94,28 +74,34 @@ def run_case(robot, case, models, learned, effects=()):
 
     for sample in samples:
         bound.update(sample)
-        beliefs = {name: contestant.update(sample) for name, contestant in methods.items()}
+        clock.update(sample)
+        beliefs = {name: contestant.update(sample) for name, contestant in racing.items()}
         while start is not None and due and sample.stamp >= start + due[0] - 1e-9:
             due.pop(0)
             note(beliefs)
     note(beliefs)
+    changes = {name: getattr(c.method, 'changes', 0) for name, c in racing.items()}
     return {'plant': case.plant, 'seed': case.seed, 'load': case.load.to_message().tolist(),
-            'temperature': case.temperature, 'speed': case.speed, 'bound': bounds,
-            'changes': methods['lstm'].method.changes, 'methods': rows,
-            'seconds_per_sample': {name: contestant.seconds / len(samples)
-                                   for name, contestant in methods.items()}}
+            'temperature': case.temperature, 'speed': case.speed,
+            'hidden': [entry['name'] for entry in case.hidden], 'bound': bounds,
+            'changes': changes.get(DEFAULT, max(changes.values())),
+            'changes_of': changes, 'methods': rows,
+            'determined_below': np.repeat(determined_std(robot), (1, 3, 6)).tolist(),
+            'mismatch': {name: c.mismatches / len(samples) for name, c in racing.items()},
+            'offline': offline_beliefs(rivals, robot, models['textbook'], samples, start),
+            'cost': {REGRESSOR: cost_of(clock.times),
+                     **{name: cost_of(c.times) for name, c in racing.items()}},
+            'seconds_per_sample': {name: float(np.mean(c.times)) for name, c in racing.items()}}
 
 
-def measure_plant(robot_path, plant, case_seeds, learned, folder):
-    """Write folder/plant_<seed>.json with all cases of one plant unless it is there; return it."""
-    path = Path(folder) / f'plant_{plant}.json'
-    if path.exists():
-        return path
-    robot = load_robot(robot_path)
-    models = plant_models(robot, plant)
-    results = [run_case(robot, draw_case(robot, plant, seed), models, learned)
-               for seed in case_seeds]
-    part = path.with_suffix('.part')
-    part.write_text(json.dumps(results), encoding='utf-8')
-    os.replace(part, path)
-    return path
+def measure_plant(suite, robot_path, plant, case_seeds, learned, methods, rivals):
+    """
+    Return the results of all cases of one plant of a suite.
+
+    Offline rivals take part in the plant's first case only: they are slow and do not learn.
+    """
+    robot, models = robot_and_models(robot_path, plant,
+                                     not ON_DIFFERENCE.keys().isdisjoint(chosen_methods(methods)))
+    return [run_case(robot, SUITES[suite].draw(robot, plant, seed), models, learned, methods,
+                     rivals if k == 0 else ())
+            for k, seed in enumerate(case_seeds)]

@@ -1,104 +1,193 @@
-"""The result page: Markdown tables and one picture."""
+"""The page of an accuracy suite: tables and pictures of what was measured."""
 
 import numpy as np
 
 from ..load import MESSAGE_ORDER
+from .contestants import BLIND, DEFAULT, FIXED, REGRESSOR, WITHOUT_NETWORK
+from .document import Heading, Picture, Table, Text
 from .measure import TIMES
 
 
-def _row(cells):
-    return '| ' + ' | '.join(cells) + ' |'
+def _leading(scores):
+    """Return the method the page is about: the default, or the first where it has no place."""
+    return DEFAULT if DEFAULT in scores else next(iter(scores))
 
 
-def _table(head, rows):
-    return '\n'.join([_row(head), _row(['---'] * len(head)), *map(_row, rows)])
+def _times(scores):
+    return [entry['time'] for entry in next(iter(scores.values()))]
 
 
 def _mass_table(scores):
-    times = [entry['time'] for entry in next(iter(scores.values()))]
     rows = [[name, *(f'{1e3 * entry["mass"]["rmse"]:.0f}' for entry in entries)]
             for name, entries in scores.items()]
-    ours = scores['lstm']
+    leading = _leading(scores)
+    ours = scores[leading]
     rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in ours)])
-    rows.append(['`lstm` over the bound', *(
+    rows.append([f'`{leading}` over the bound', *(
         f'{e["mass"]["rmse"] / e["bound_mass_rmse"]:.1f}' for e in ours)])
-    return _table(['mass RMSE [g] after', *times], rows)
+    return Table(['mass RMSE [g] after', *_times(scores)], rows)
 
 
 def _percent_table(scores):
-    times = [entry['time'] for entry in next(iter(scores.values()))]
     rows = [[name, *(' / '.join(f'{e["mass_percent_of_rated"][f]:.2f}' for f in ('median', 'p95'))
                      for e in entries)] for name, entries in scores.items()]
-    return _table(['mass, median / 95th percentile [% of rated] after', *times], rows)
+    return Table(['mass, median / 95th percentile [% of rated] after', *_times(scores)], rows)
 
 
 def _inertia_table(entries):
     rows = [[e['time'], *(f'{1e3 * e["inertia"][m]["median"]:.1f}' for m in MESSAGE_ORDER[4:])]
             for e in entries]
-    return _table(['inertia, median error [g m^2]', *MESSAGE_ORDER[4:]], rows)
+    return Table(['inertia, median error [g m^2]', *MESSAGE_ORDER[4:]], rows)
 
 
 def _com_table(scores):
-    times = [entry['time'] for entry in next(iter(scores.values()))]
     rows = [[name, *(f'{1e3 * e["com"]["median"]:.1f} / {1e3 * e["com"]["p95"]:.1f}'
                      for e in entries)] for name, entries in scores.items()]
-    return _table(['centre of mass, median / 95th percentile [mm] after',
-                   *times], rows)
+    return Table(['centre of mass, median / 95th percentile [mm] after', *_times(scores)], rows)
 
 
 def _coverage_table(entries):
-    rows = [[e["time"], *(f'{100 * e["coverage"][m]["share"]:.1f} '
-                          f'({100 * e["coverage"][m]["error"]:.1f})'
-                          for m in MESSAGE_ORDER)] for e in entries]
-    return _table(['coverage of 95 % (standard error over plants) [%]', *MESSAGE_ORDER], rows)
+    rows = [[e['time'], *(_covered(e['coverage'][m]) for m in MESSAGE_ORDER)] for e in entries]
+    return Table(['coverage of 95 % (standard error over plants) [%]', *MESSAGE_ORDER], rows)
+
+
+def _covered(figures):
+    share, error = 100.0 * figures['share'], 100.0 * figures['error']
+    return f'{share:.1f} ({error:.1f})' if np.isfinite(error) else f'{share:.1f}'
 
 
 def _width_table(entries):
     rows = [[e["time"], *(f'{e["width_over_bound"][m]:.1f}' for m in MESSAGE_ORDER)]
             for e in entries]
-    return _table(['width over bound', *MESSAGE_ORDER], rows)
+    return Table(['width over bound', *MESSAGE_ORDER], rows)
 
 
-def markdown(scores, overview, verdicts, command, commit):
-    """Return the page as text."""
-    parts = [
-        '# Accuracy on the base suite',
-        f'{overview["scored"]} of {overview["cases"]} cases from {overview["plants"]} plants that '
-        'training never saw. Every plant has its own model, '
-        'identified from four 40 s recordings without load. '
-        f'False load changes: {overview["false_load_changes"]} cases.',
-        f'Command: `{command}`, commit {commit}.',
-        _table(['goal', 'wanted', 'measured', 'reached'], [
-            [what, goal, value, 'yes' if good else '**no**'] for what, goal, value, good
-            in verdicts]),
-        _mass_table(scores), _percent_table(scores), _com_table(scores),
-        _inertia_table(scores['lstm'])]
-    for name in ('lstm', 'bayes'):
-        if name in scores:
-            parts += [f'## Intervals of `{name}`', _coverage_table(scores[name]),
-                      _width_table(scores[name])]
-    cost = overview['microseconds_per_sample']
-    parts += ['## Cost', _table(['method', 'microseconds per 20 ms sample'],
-                                [[name, f'{value:.0f}'] for name, value in cost.items()])]
-    return '\n\n'.join(parts) + '\n'
+def _interval_blocks(scores):
+    """Return the intervals of ours; the baselines' are no claim of anybody's."""
+    out = []
+    for name in scores:
+        if name in (DEFAULT, WITHOUT_NETWORK):
+            out += [Heading(f'Intervals of `{name}`'), _coverage_table(scores[name]),
+                    _width_table(scores[name])]
+    return out
 
 
-def picture(scores, path):
-    """Draw mass RMSE over time for every method and the bound."""
-    import matplotlib
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-    figure, axes = pyplot.subplots(figsize=(7.0, 5.5), layout='constrained')
+def _network_blocks(shares):
+    """Return what the default's network adds to the update without it, said plainly."""
+    if not shares:
+        return []
+    head = [f'`{WITHOUT_NETWORK}` to `{DEFAULT}`: error less by [%] after',
+            *(share['time'] for share in shares)]
+    rows = [[what, *(f'{share[key]:.0f}' for share in shares)]
+            for what, key in (('mass RMSE', 'mass'), ('centre of mass, median', 'com'))]
+    least = [share['time'] for share in shares if share['mass'] < 20.0]
+    said = (f'The network gains less than 20 % in mass at: {", ".join(least)}.' if least
+            else 'The network gains 20 % or more in mass at every time.')
+    return [Heading("The network's own share"), Table(head, rows), Text(f'**{said}**')]
+
+
+def _determined_blocks(inertia):
+    if not inertia:
+        return []
+    rows = [[name, str(e['due']), f'{100 * e["declared"]:.0f}',
+             f'{e["median_error"]:.1f}' if np.isfinite(e['median_error']) else '-',
+             str(e['declared_beyond'])] for name, e in inertia.items()]
+    return [Heading('Moments of inertia at the end of the run'), Table(
+        ['method', 'moments whose bound is below 5 %', 'declared determined [%]',
+         'median error of those [%]', 'declared although the bound is above 5 %'], rows)]
+
+
+def _offline_blocks(offline):
+    if not offline:
+        return []
+    times = next(iter(offline['methods'].values()))
+    rows = [[name, *(_grams(entry) for entry in entries.values())]
+            for name, entries in offline['methods'].items()]
+    return [Heading('Rivals that look at the whole recording'), Text(
+        f'{offline["cases"]} of the cases (the first of each plant): mass RMSE [g] / median '
+        'distance of the centre of mass [mm], in brackets how many of the cases gave a result. '
+        'How each was used: benchmark/rival_mujoco.py, rival_figaroh.py; both see the torque that '
+        'the identified model with Coulomb and viscous friction leaves, without standing joints.'),
+        Table(['method', *times], rows)]
+
+
+def _grams(entry):
+    if not entry['cases']:
+        return '- (0)'
+    return f'{1e3 * entry["mass"]:.0f} / {1e3 * entry["com"]:.1f} ({entry["cases"]})'
+
+
+def _trust_table(counts):
+    rows = [[name, str(counts['changes_of'].get(name, 0)), f'{100 * share:.1f}']
+            for name, share in counts['mismatch'].items()
+            if name not in (FIXED,) and not name.startswith(('least', 'recursive', 'the same'))]
+    return Table(['method', 'cases with a false load change', 'MODEL_MISMATCH [% of the time]'],
+                 rows)
+
+
+def _cost_blocks(counts):
+    cost = counts['microseconds_per_sample']
+    if not counts.get('cost'):
+        return [Heading('Cost'), Table(['method', 'microseconds per 20 ms sample'],
+                                       [[name, f'{value:.0f}'] for name, value in cost.items()])]
+    unit = counts['cost'][REGRESSOR]['mean']
+    rows = [[name, *(f'{1e6 * c[key]:.0f}' for key in ('mean', 'p50', 'p99')),
+             *(f'{c[key] / unit:.0f}' for key in ('mean', 'p99'))]
+            for name, c in counts['cost'].items()]
+    return [Heading('Cost'), Text('Processor time, measured beside other work.'), Table(
+        ['per 20 ms sample', 'mean [us]', 'p50 [us]', 'p99 [us]',
+         f'mean / {REGRESSOR}', 'p99 / the same'], rows)]
+
+
+def _fallback(names):
+    if not names:
+        return ''
+    return (f' No learned artefact for this arm: {", ".join(f"`{name}`" for name in names)} would '
+            f'run as `{WITHOUT_NETWORK}` and is not shown twice.')
+
+
+def suite_blocks(title, about, content, verdict_rows, command, commit):
+    """Return the blocks of a suite's page; content: as of scores.json."""
+    scores, counts = content['scores'], content['overview']
+    out = [
+        Heading(title, 1),
+        Text(f'{counts["scored"]} of {counts["cases"]} cases from {counts["plants"]} plants that '
+             'training never saw. Every plant has its own model, '
+             'identified from four 40 s recordings without load. '
+             f'False load changes: {counts["false_load_changes"]} cases.'
+             + (f' Cases: {about}.' if about else '')
+             + (f' **{content["failed"]} plants could not be measured.**'
+                if content.get('failed') else '')
+             + _fallback(content.get('fell_back'))),
+        Text(f'Command: `{command}`, commit {commit}.')]
+    if verdict_rows:
+        out.append(Table(['goal', 'wanted', 'measured', 'reached'], [
+            [what, goal, value, 'yes' if good else '**no**']
+            for what, goal, value, good in verdict_rows]))
+    return [*out, mass_picture(scores), _mass_table(scores), _percent_table(scores),
+            _com_table(scores), _inertia_table(scores[_leading(scores)]),
+            *_determined_blocks(content.get('inertia')), *_network_blocks(content.get('network')),
+            *_offline_blocks(content.get('offline')), *_interval_blocks(scores),
+            *([Heading('Trust'), _trust_table(counts)] if counts.get('mismatch') else []),
+            *_cost_blocks(counts)]
+
+
+def mass_picture(scores):
+    """Return the Picture of mass RMSE over time for every method and the bound."""
+    return Picture('mass', lambda figure: _draw_mass(figure, scores),
+                   'mass RMSE over time after motion start')
+
+
+def _draw_mass(figure, scores):
+    axes = figure.subplots()
     for name, entries in scores.items():
-        axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]], 'o-',
-                    label=name)
+        axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]],
+                    marker='o', linestyle='--' if name == BLIND else '-', label=name)
     bound = [1e3 * e['bound_mass_rmse'] for e in entries[:len(TIMES)]]
-    axes.loglog(TIMES, bound, 'k--', label='Cramer-Rao bound')
+    axes.loglog(TIMES, bound, 'k:', label='Cramer-Rao bound')
     axes.set(xlabel='time after motion start [s]', ylabel='mass RMSE [g]')
     axes.set_xticks(TIMES, [f'{t:g}' for t in TIMES])
     axes.set_xticks([], minor=True)
     axes.set_ylim(1.0, 1.2e3 * np.max([e['mass']['rmse'] for v in scores.values() for e in v]))
     axes.grid(True, which='major', alpha=0.4)
     figure.legend(loc='outside lower center', ncols=2, fontsize='small')
-    figure.savefig(path, dpi=130)
-    pyplot.close(figure)

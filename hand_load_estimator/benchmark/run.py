@@ -1,27 +1,62 @@
-"""Run a suite in parallel, resume what was done, write the pages."""
+"""Run suites in parallel, resume what was done, write the pages."""
 
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from dataclasses import dataclass
 import hashlib
 import json
-import os
 from pathlib import Path
 import subprocess
-import time
 
-from .. import seeds
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
+from .arms import ARMS, friction_told, urdf_of, write_arm
+from .changes import change_jobs, change_scores, measure_job
+from .contestants import chosen_methods, DEFAULT
+from .cost import cost_jobs, cost_scores, measure_cost
+from .document import Heading, Text, write_pages
+from .execute import measure_all, PROCESSES
+from .goals import goal_rows, goal_table
 from .measure import measure_plant
-from .page import markdown, picture
-from .scores import overview, score, verdicts
+from .offline import chosen_rivals
+from .other_pages import change_blocks, cost_blocks, real_blocks, soak_blocks
+from .page import suite_blocks
+from .real import measure_set, real_jobs, real_scores
+from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
+                     verdicts)
+from .soak import run_soak
+from .suites import cases_of, SUITES
 
-# suite: (plant seeds, case seeds, cases per plant)
-SUITES = {
-    'base': (seeds.BENCHMARK_PLANTS[:25], seeds.BENCHMARK_CASES, 8),
-    'development': (seeds.DEVELOPMENT_PLANTS[50:58], seeds.DEVELOPMENT_CASES, 8)}
+SCHEMA = 'hand_load/benchmark/1'
+# Suites that are no accuracy suite on one simulated arm.
+ARM_SUITES = tuple(f'arms-{name}' for name in ARMS)
+OTHERS = ('changes', 'real', 'cost', 'soak')
+# `all` is everything the goals need; `development` is for looking, `effects` judges diagnosis.
+ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES, *OTHERS)
+
+
+@dataclass(frozen=True)
+class Options:
+    """
+    How suites are run.
+
+    robot: name or file; learned: artefact folder or None; cases: per suite, or None for the
+    suite's own; methods: names or None for all; rivals: offline ones; hours: of running in
+    `changes` and of `soak`, or None for theirs; data: folder of the real recordings; development:
+    on seeds for looking and choosing; workers, backend: as of measure_all.
+    """
+
+    robot: str = 'ur10e'
+    learned: str | None = None
+    cases: int | None = None
+    methods: tuple | None = None
+    rivals: tuple = ()
+    hours: float | None = None
+    data: str = '../shared/data'
+    development: bool = False
+    workers: int | None = None
+    backend: str = PROCESSES
 
 
 def commit_now():
@@ -37,16 +72,17 @@ def commit_now():
     return f'{commit} with changes' if changed.stdout.strip() else commit
 
 
-def _key(suite, robot_path, learned):
-    """Return what results depend on: suite, robot file, artefact and the code's commit."""
-    artefact = learned or shipped_artefact(load_robot(robot_path))
-    if artefact is None:
-        raise ConfigurationError('--learned', 'is needed: no artefact is shipped for this robot')
+def _key(suite, robot_path, options):
+    """Return what results depend on: suite, robot file, artefact, choices, the code's commit."""
+    artefact = options.learned or shipped_artefact(load_robot(robot_path))
     digest = hashlib.sha256()
-    for name in (WEIGHTS, CARD):
+    for name in (WEIGHTS, CARD) if artefact else ():
         digest.update((Path(artefact) / name).read_bytes())
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
-            'artefact': digest.hexdigest(), 'commit': commit_now()}
+            'artefact': digest.hexdigest() if artefact else None, 'commit': commit_now(),
+            'methods': list(chosen_methods(options.methods)), 'rivals': list(options.rivals),
+            'cases': options.cases, 'hours': options.hours,
+            'development': options.development}
 
 
 def same_run(raw, key):
@@ -58,34 +94,134 @@ def same_run(raw, key):
     note.write_text(json.dumps(key), encoding='utf-8')
 
 
-def run_suite(suite, robot_name, learned, folder, command, write=print):
-    """Measure a suite into `folder`: raw results per plant, scores.json, README.md, mass.png."""
-    if suite not in SUITES:
-        raise ConfigurationError('--suite', 'is not known', suite,
-                                 ', '.join([*SUITES, 'effects']))
-    plants, case_seeds, per_plant = SUITES[suite]
-    raw = Path(folder) / 'raw'
-    raw.mkdir(parents=True, exist_ok=True)
-    robot_path = find_shared(robot_name, 'robots')
-    key = _key(suite, robot_path, learned)
-    same_run(raw, key)
-    jobs = [(str(robot_path), plant, list(case_seeds[k * per_plant:(k + 1) * per_plant]),
-             learned, str(raw)) for k, plant in enumerate(plants)]
-    began, paths = time.monotonic(), []
-    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
-        running = [pool.submit(measure_plant, *job) for job in jobs]
-        for done, job in enumerate(as_completed(running), start=1):
-            paths.append(job.result())
-            left = (time.monotonic() - began) / done * (len(jobs) - done)
-            write(f'plant {done}/{len(jobs)}  {left / 60.0:.1f} min left')
-    results = [r for path in sorted(paths) for r in json.loads(path.read_text('utf-8'))]
+def suite_names(text):
+    """Return the suites of a comma-separated list; `arms` and `all` stand for several."""
+    out = []
+    for name in text.split(','):
+        known = {'arms': ARM_SUITES, 'all': ALL}.get(name, (name,))
+        if known == (name,) and name not in (*SUITES, *ARM_SUITES, *OTHERS):
+            raise ConfigurationError('--suite', 'is not known', name,
+                                     ', '.join([*SUITES, 'arms', *OTHERS, 'effects', 'all']))
+        out += [one for one in known if one not in out]
+    return tuple(out)
+
+
+def _robot_path(name, options, folder):
+    if name not in ARM_SUITES:
+        return find_shared(options.robot, 'robots')
+    arm = name.removeprefix('arms-')
+    return write_arm(arm, urdf_of(ARMS[arm]), folder / 'robots')
+
+
+def _accuracy(name, robot_path, options, raw, write):
+    """Return scores.json's content and the page's blocks but for the goals, of one suite."""
+    suite = SUITES['base' if name in ARM_SUITES else name]
+    draw = 'base' if name in ARM_SUITES else name
+    count = options.cases or (40 if name in ARM_SUITES else None)
+    jobs = {f'plant_{plant}': (draw, str(robot_path), plant, part, options.learned,
+                               options.methods, tuple(options.rivals))
+            for plant, part in cases_of(suite, count, options.development)}
+    found = measure_all(measure_plant, jobs, raw, options.workers, options.backend, write)
+    results = [r for part in found.values() for r in part]
+    if not complete(results):
+        raise ConfigurationError(raw, 'holds no case in which the arm moved long enough',
+                                 todo='see what failed above, or ask for more --cases')
     robot = load_robot(robot_path)
-    scores, counts = score(results, robot.rated_load.mass), overview(results)
-    out = Path(folder)
+    scores = score(results, robot.rated_load.mass)
+    content = {'overview': overview(results), 'scores': scores,
+               'inertia': inertia_scores(results) if name == 'inertia' else {},
+               'network': network_shares(scores), 'offline': offline_scores(results),
+               'failed': len(jobs) - len(found),
+               'fell_back': [m for m in chosen_methods(options.methods) if m not in scores]}
+    about = suite.about + (f'; {robot.name}: {friction_told(robot)}' if name in ARM_SUITES else '')
+    told = verdicts(scores) if name in ('base', 'development') and DEFAULT in scores else ()
+    return content, lambda command, commit: suite_blocks(
+        f'Accuracy on the {name} suite', about, content, told, command, commit)
+
+
+def _some(found, raw):
+    """Return what was measured; raises ConfigurationError where that is nothing."""
+    if not found:
+        raise ConfigurationError(raw, 'holds nothing: every part failed',
+                                 todo='see above why')
+    return found
+
+
+def _other(name, robot_path, options, raw, write):
+    """Return content and blocks of a suite that is no accuracy suite."""
+    run = (options.workers, options.backend, write)
+    if name == 'changes':
+        jobs = change_jobs(str(robot_path), options.cases or 40,
+                           10.0 if options.hours is None else options.hours, options.learned,
+                           options.methods, options.development)
+        content = change_scores(_some(measure_all(measure_job, jobs, raw, *run), raw))
+        return content, change_blocks
+    if name == 'real':
+        jobs = real_jobs(options.data, None, raw, options.methods)
+        content = real_scores(_some(measure_all(measure_set, jobs, raw, *run), raw))
+        return content, real_blocks
+    if name == 'cost':
+        jobs = cost_jobs(options.robot, options.learned, options.methods)
+        content = cost_scores(_some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw))
+        return content, cost_blocks
+    method = chosen_methods(options.methods)[0]
+    content = run_soak(options.robot, method, options.learned if method == DEFAULT else None,
+                       24.0 if options.hours is None else options.hours, raw, write)
+    return content, soak_blocks
+
+
+def _measure(name, options, folder, command, write):
+    """Measure one suite into `folder`; return (content, Markdown)."""
+    raw = folder / 'raw'
+    raw.mkdir(parents=True, exist_ok=True)
+    robot_path = _robot_path(name, options, folder)
+    key = _key(name, robot_path, options)
+    same_run(raw, key)
+    measured = _other if name in OTHERS else _accuracy
+    content, blocks = measured(name, robot_path, options, raw, write)
+    content = {'schema': SCHEMA, 'suite': name, **content}
+    (folder / 'scores.json').write_text(json.dumps(content, indent=1) + '\n', encoding='utf-8')
+    page = blocks(command, key['commit']) if measured is _accuracy else [
+        *blocks(content), Text(f'Command: `{command}`, commit {key["commit"]}.')]
+    goals = [row for row in goal_rows({name: content}) if row[3] is not None]
+    if goals:
+        page = [*page, Heading('Goals of issue 4 that this suite measures'), goal_table(goals)]
+    return content, write_pages(folder, page)
+
+
+def run_suites(suites, options, folder, command, write=print):
+    """
+    Measure suites into `folder`; return the Markdown of the page.
+
+    One suite: raw results, scores.json, README.md, index.html and pictures there. Several: each
+    in a folder of its name, and there the table of goals over all of them.
+    """
+    names, out = suite_names(suites), Path(folder)
+    options = _checked(options)
+    if len(names) == 1:
+        return _measure(names[0], options, out, command, write)[1]
+    contents, failed = {}, {}
+    for name in names:
+        write(f'suite {name}')
+        try:
+            contents[name], _ = _measure(name, options, out / name, command, write)
+        except ConfigurationError as error:
+            failed[name] = str(error)
+            write(failed[name])
+    rows = goal_rows(contents)
     (out / 'scores.json').write_text(json.dumps(
-        {'schema': 'hand_load/benchmark/1', 'suite': suite, 'overview': counts,
-         'scores': scores}, indent=1) + '\n', encoding='utf-8')
-    page = markdown(scores, counts, verdicts(scores), command, key['commit'])
-    (out / 'README.md').write_text(page, encoding='utf-8')
-    picture(scores, out / 'mass.png')
-    return page
+        {'schema': SCHEMA, 'suites': list(contents), 'failed': failed,
+         'goals': [dict(zip(('goal', 'wanted', 'measured', 'reached'), row)) for row in rows]},
+        indent=1) + '\n', encoding='utf-8')
+    parts = [f'[{name}]({name}/README.md)' for name in contents]
+    return write_pages(out, [
+        Heading('Benchmark', 1), Text(f'Command: `{command}`, commit {commit_now()}.'),
+        goal_table(rows), Text('Suites: ' + ', '.join(parts) + '.'),
+        *(Text(f'**Not measured: {name}.** {why}') for name, why in failed.items())])
+
+
+def _checked(options):
+    """Return the options, refused here rather than after hours where they are wrong."""
+    chosen_methods(options.methods)
+    chosen_rivals(options.rivals)
+    return options

@@ -2,12 +2,18 @@
 
 import numpy as np
 
+from ..estimators.build import METHODS
 from ..load import MESSAGE_ORDER
+from .contestants import BLIND, DEFAULT, FIXED, WITHOUT_NETWORK
 from .measure import MOMENTS
+from .offline import OFFLINE_TIMES
 
 NORMAL_95 = 1.959964
 # Place is scored where there is something to place.
 LEAST_MASS_FOR_COM = 2.0
+# A moment of inertia is due to be declared where the bound's std is below this share of it.
+DUE_MOMENT = 0.05
+_MOMENTS_OF_INERTIA = (4, 7, 9)
 
 
 def _matrix(results, name):
@@ -65,13 +71,90 @@ def score(results, rated_mass):
     return out
 
 
+def rivals_of(scores):
+    """Return the names of the baselines that estimate: not ours, not the fixed load."""
+    return [name for name in scores if name not in METHODS and name not in (BLIND, FIXED)]
+
+
+def network_shares(scores):
+    """
+    Return what the default's network takes off the error [%] of mass and place at each time.
+
+    Empty where default and update without network do not both take part.
+    """
+    if DEFAULT not in scores or WITHOUT_NETWORK not in scores or DEFAULT == WITHOUT_NETWORK:
+        return []
+    out = []
+    for ours, without in zip(scores[DEFAULT], scores[WITHOUT_NETWORK]):
+        pairs = ((ours['mass']['rmse'], without['mass']['rmse']),
+                 (ours['com']['median'], without['com']['median']))
+        mass, com = (100.0 * (1.0 - a / b) if b else 0.0 for a, b in pairs)
+        out.append({'time': ours['time'], 'mass': mass, 'com': com})
+    return out
+
+
+def inertia_scores(results):
+    """
+    Return {method: figures} of the moments ixx, iyy, izz at the end of complete cases.
+
+    due: those whose bound's std is below DUE_MOMENT of the truth; declared: the share of them
+    with std below the method's threshold; median_error [%] of those; declared_beyond: how many
+    were declared without being due.
+    """
+    results = [r for r in complete(results) if 'determined_below' in r]
+    out = {}
+    for name in results[0]['methods'] if results else ():
+        error, std, bound = (x[:, -1, _MOMENTS_OF_INERTIA] for x in _matrix(results, name))
+        truth = np.array([r['load'] for r in results])[:, _MOMENTS_OF_INERTIA]
+        below = np.array([r['determined_below'] for r in results])[:, _MOMENTS_OF_INERTIA]
+        due, declared = bound < DUE_MOMENT * truth, std < below
+        if name == FIXED or not due.any():
+            continue
+        both = due & declared
+        relative = 100.0 * np.abs(error[both]) / truth[both]
+        out[name] = {'due': int(due.sum()), 'declared': float(declared[due].mean()),
+                     'median_error': float(np.median(relative)) if both.any() else float('nan'),
+                     'declared_beyond': int((declared & ~due).sum())}
+    return out
+
+
+def offline_scores(results):
+    """
+    Return mass RMSE [kg] and median distance [m] of offline rivals, and ours on the same cases.
+
+    {'cases': n, 'methods': {name: {moment: {'mass', 'com', 'cases'}}}}, or {} without any.
+    """
+    results = [r for r in complete(results) if r.get('offline')]
+    if not results:
+        return {}
+    out = {}
+    for name in results[0]['offline']:
+        out[name] = {m: _of_means(results, [r['offline'][name][m] for r in results])
+                     for m in OFFLINE_TIMES}
+    for name in results[0]['methods']:
+        out[name] = {m: _of_means(results, [r['methods'][name][MOMENTS.index(m)]
+                                            for r in results]) for m in OFFLINE_TIMES}
+    return {'cases': len(results), 'methods': out}
+
+
+def _of_means(results, rows):
+    """Return the figures of rows [mean, std]; a sentence in place of one is a failure."""
+    found = [(np.array(row[0]) - r['load'], r['load'][0]) for r, row in zip(results, rows)
+             if not isinstance(row, str)]
+    if not found:
+        return {'mass': float('nan'), 'com': float('nan'), 'cases': 0}
+    errors, heavy = np.array([e for e, _ in found]), [m >= LEAST_MASS_FOR_COM for _, m in found]
+    place = np.linalg.norm(errors[heavy][:, 1:4], axis=1)
+    return {'mass': float(np.sqrt(np.mean(errors[:, 0] ** 2))),
+            'com': float(np.median(place)) if len(place) else float('nan'),
+            'cases': len(found)}
+
+
 def verdicts(scores):
-    """Return (what, goal, value, reached) of the goals issue 2 states for `lstm`."""
+    """Return (what, goal, value, reached) of the goals issue 2 states for the default."""
     at = {name: {entry['time']: entry for entry in entries} for name, entries in scores.items()}
-    ours, percent = at['lstm'], 'mass_percent_of_rated'
-    rivals = [name for name in at if name not in ('bayes', 'fixed rated load')
-              and not name.startswith('lstm')]
-    rival = min(at[name]['1 s']['mass']['rmse'] for name in rivals)
+    ours, percent = at[DEFAULT], 'mass_percent_of_rated'
+    rival = min(at[name]['1 s']['mass']['rmse'] for name in rivals_of(at))
     rows = [
         ('median mass error at 1 s, % of rated', '<= 1', ours['1 s'][percent]['median'], 1.0),
         ('95th percentile at 1 s, % of rated', '<= 3', ours['1 s'][percent]['p95'], 3.0),
@@ -90,9 +173,18 @@ def verdicts(scores):
 def overview(results):
     """Return counts and costs over all cases."""
     done = complete(results)
-    return {'cases': len(results), 'scored': len(done),
-            'plants': len({r['plant'] for r in results}),
-            'false_load_changes': int(sum(r['changes'] > 0 for r in results)),
-            'microseconds_per_sample': {
-                name: float(1e6 * np.median([r['seconds_per_sample'][name] for r in results]))
-                for name in results[0]['seconds_per_sample']}}
+    out = {'cases': len(results), 'scored': len(done),
+           'plants': len({r['plant'] for r in results}),
+           'false_load_changes': int(sum(r['changes'] > 0 for r in results)),
+           'microseconds_per_sample': {
+               name: float(1e6 * np.median([r['seconds_per_sample'][name] for r in results]))
+               for name in results[0]['seconds_per_sample']}}
+    if 'cost' in results[0]:
+        out['changes_of'] = {name: int(sum(r['changes_of'][name] > 0 for r in results))
+                             for name in results[0]['changes_of']}
+        out['mismatch'] = {name: float(np.mean([r['mismatch'][name] for r in results]))
+                           for name in results[0]['mismatch']}
+        out['cost'] = {name: {key: float(np.median([r['cost'][name][key] for r in results]))
+                              for key in ('mean', 'p50', 'p99')}
+                       for name in results[0]['cost']}
+    return out

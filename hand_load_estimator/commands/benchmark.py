@@ -2,27 +2,60 @@
 
 from ..errors import ConfigurationError
 
-EXAMPLE = 'hand_load benchmark --out out/benchmark'
+EXAMPLE = """
+hand_load benchmark --out out/benchmark
+hand_load benchmark --out out/all --suite all --rivals mujoco.sysid,figaroh
+hand_load benchmark --out out/look --suite cold,warm --development --cases 4 --methods bayes
+"""
+
+
+def _names(text):
+    return tuple(name for name in text.split(',') if name)
 
 
 def add_arguments(parser):
     """Declare the arguments."""
     parser.add_argument('--out', required=True, metavar='DIR',
                         help='folder of the results; what is there already is kept')
-    parser.add_argument('--suite', default='base', metavar='NAME',
-                        help='base (25 plants x 8 cases), development (the same on other seeds) '
-                             'or effects (diagnosis of undeclared effects; hours)')
+    parser.add_argument('--suite', default='base', metavar='NAMES',
+                        help='base (25 plants x 8 cases), development (the same on other seeds), '
+                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
+                             'cost, soak, or several of them with commas; all; or effects '
+                             '(diagnosis of undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact (default: the shipped one); not for effects')
+    parser.add_argument('--cases', default=None, type=int, metavar='N',
+                        help='cases per suite (default: 200 of base, 40 of others); from more '
+                             'than its own on, a suite takes 50 plants')
+    parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
+                        help='methods to measure (default: all)')
+    parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
+                        help='offline rivals beside us: mujoco.sysid, figaroh (default: none; '
+                             'each needs its package)')
+    parser.add_argument('--hours', default=None, type=float, metavar='H',
+                        help='of running in changes (default: 10) and of soak (default: 24)')
+    parser.add_argument('--data', default='../shared/data', metavar='DIR',
+                        help='measured recordings of suite real (default: ../shared/data)')
+    parser.add_argument('--development', action='store_true',
+                        help='on seeds for looking and choosing, not the benchmark\'s')
+    parser.add_argument('--workers', default=None, type=int, metavar='N',
+                        help='processes (default: one per core)')
+    parser.add_argument('--backend', default='processes', metavar='NAME',
+                        help='processes, or a backend of joblib for a cluster (default: '
+                             'processes)')
 
 
 def run(args):
     """Measure and print the page."""
     from ..benchmark.effect_run import run_effects, SUITE
-    from ..benchmark.run import run_suite
-    command = f'hand_load benchmark --suite {args.suite} --robot {args.robot} --out {args.out}'
+    from ..benchmark.run import Options, run_suites
+    given = ' '.join(f'--{name.replace("_", "-")}' if value is True else
+                     f'--{name} {",".join(value) if isinstance(value, tuple) else value}'
+                     for name, value in vars(args).items()
+                     if value not in (None, (), False) and (name, value) not in _DEFAULTS)
+    command = f'hand_load benchmark {given}'
 
     def write(text):
         print(text, flush=True)
@@ -32,6 +65,16 @@ def run(args):
             raise ConfigurationError('--learned', 'does not go with the suite', args.learned,
                                      'nothing: effects are judged with method bayes')
         print(run_effects(args.robot, args.out, command, write))
-    else:
-        print(run_suite(args.suite, args.robot, args.learned, args.out, command, write))
+        return 0
+    for name, least in (('cases', 1), ('workers', 0), ('hours', 1e-3)):
+        value = getattr(args, name)
+        if value is not None and value < least:
+            raise ConfigurationError(f'--{name}', 'is too small', value, f'at least {least:g}')
+    options = Options(args.robot, args.learned, args.cases, args.methods, args.rivals, args.hours,
+                      args.data, args.development, args.workers, args.backend)
+    print(run_suites(args.suite, options, args.out, command, write))
     return 0
+
+
+# Said in the command line that a page shows only when they differ from this.
+_DEFAULTS = (('data', '../shared/data'), ('backend', 'processes'))

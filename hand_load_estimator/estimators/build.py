@@ -83,10 +83,12 @@ def _on_difference(method):
     return build
 
 
+# Methods on a learned torque difference of one model.
+ON_DIFFERENCE = {method.name: method for method in (
+    GpHistogram, GpBayes, GpSwarm, GpEvolution, GpAnnealing)}
 # name -> builder(model, uncertainties, learned folder or None) of a Method
 METHODS = {'lstm': _lstm, 'bayes': _bayes,
-           **{method.name: _on_difference(method) for method in (
-               GpHistogram, GpBayes, GpSwarm, GpEvolution, GpAnnealing)}}
+           **{name: _on_difference(method) for name, method in ON_DIFFERENCE.items()}}
 
 
 def build_method(model, uncertainties, name, learned=None):

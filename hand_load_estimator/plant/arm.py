@@ -5,7 +5,7 @@ import numpy as np
 
 from ..load import LoadParameters
 
-_LOAD = 'load'
+LOAD = 'load'
 # MuJoCo refuses moving bodies without mass; this much cannot be felt.
 _LEAST_MASS, _LEAST_INERTIA = 1e-6, 1e-9
 
@@ -43,8 +43,12 @@ def _joint_axis(model, j):
     return mujoco.mjtJoint.mjJNT_SLIDE, motion[:3]
 
 
-def _compile(robot, links, rotor, gravity):
-    """Return the MuJoCo model of the chain; no contacts, no limits, no passive forces."""
+def chain_spec(robot, links, rotor, gravity):
+    """
+    Return the MjSpec of the chain with a body LOAD; no contacts, limits or passive forces.
+
+    links (n, 4, 4): pseudo-inertias; rotor (n,) [kg m^2]; gravity (3,) [m/s^2].
+    """
     spec = mujoco.MjSpec()
     spec.option.gravity = gravity
     spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -61,10 +65,10 @@ def _compile(robot, links, rotor, gravity):
         body.add_joint(name=name, type=kind, axis=axis, armature=rotor[j - 1])
     frame = robot.model.frames[robot.model.getFrameId(robot.load_frame)].placement
     # Off its frame in place and axes, so that MuJoCo keeps them free to be written later.
-    body.add_body(name=_LOAD, pos=frame.translation, quat=_quaternion(frame.rotation),
+    body.add_body(name=LOAD, pos=frame.translation, quat=_quaternion(frame.rotation),
                   mass=1.0, ipos=[0.01, 0.02, 0.03], inertia=[0.01, 0.02, 0.025],
                   iquat=[0.8, 0.36, 0.48, 0.0], explicitinertial=True)
-    return spec.compile()
+    return spec
 
 
 class Arm:
@@ -76,9 +80,9 @@ class Arm:
     """
 
     def __init__(self, robot, links, rotor, gravity):
-        self._model = _compile(robot, links, rotor, gravity)
+        self._model = chain_spec(robot, links, rotor, gravity).compile()
         self._data = mujoco.MjData(self._model)
-        self._body = self._model.body(_LOAD).id
+        self._body = self._model.body(LOAD).id
         self.position, self.velocity = self._data.qpos, self._data.qvel
         self.acceleration, self._applied = self._data.qacc, self._data.qfrc_applied
         self._jacobian = np.zeros((3, robot.n))

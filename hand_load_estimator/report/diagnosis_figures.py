@@ -1,28 +1,10 @@
 """The figures of a diagnosis as SVG text: an effect against its variable, errors per joint."""
 
-import io
-
 import numpy as np
 
+from .svg import svg_of
+
 _BEFORE, _AFTER = '0.62', '#1f5fa8'
-# Drawn about as wide as a phone's screen, so that the text keeps its size there.
-_WIDTH = 3.9  # [inch]
-# A salt and no date: the same diagnosis gives the same picture.
-_STYLE = {'font.size': 11.0, 'axes.spines.top': False, 'axes.spines.right': False,
-          'svg.hashsalt': 'hand_load'}
-
-
-def _svg(height, draw):
-    """Return as SVG text a figure of some height [inch], filled by draw(figure)."""
-    # Here, so that commands that draw nothing do not wait for it.
-    import matplotlib
-    from matplotlib.figure import Figure
-    text = io.StringIO()
-    with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(_WIDTH, height), layout='constrained')
-        draw(figure)
-        figure.savefig(text, format='svg', metadata={'Date': None})
-    return text.getvalue()
 
 
 def _limits(picture):
@@ -54,7 +36,7 @@ def _draw_effect(figure, picture):
 
 def effect_svg(picture):
     """Return a Picture drawn: bins with error bars, fitted curve and its 95 % band."""
-    return _svg(3.6, lambda figure: _draw_effect(figure, picture))
+    return svg_of(3.6, lambda figure: _draw_effect(figure, picture))
 
 
 def _draw_bars(axes, y, values, color, label):
@@ -87,5 +69,5 @@ def _draw_errors(figure, diagnosis):
 
 def errors_svg(diagnosis):
     """Return the torque error of every joint drawn: before, after, noise floor."""
-    return _svg(1.0 + 0.68 * len(diagnosis.joints),
-                lambda figure: _draw_errors(figure, diagnosis))
+    return svg_of(1.0 + 0.68 * len(diagnosis.joints),
+                  lambda figure: _draw_errors(figure, diagnosis))

@@ -1,6 +1,5 @@
 """A diagnosis as one self-contained HTML page, for a phone, a desk and a printer."""
 
-import base64
 import datetime
 import math
 import re
@@ -13,46 +12,10 @@ from .. import __version__
 from ..effects import EFFECTS
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .diagnosis_figures import effect_svg, errors_svg
+from .page_parts import html_image as _image, html_table as _table, STYLE
 
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
-_STYLE = '''
-:root { color-scheme: light }
-body { font: 1.0625rem/1.5 system-ui, sans-serif; max-width: 44rem; margin: 0 auto;
-       padding: 1rem; color: #1a1a1a; background: #fff; overflow-wrap: break-word }
-h1 { font-size: 1.55rem; line-height: 1.25; margin: .2em 0 .5em }
-h2 { font-size: 1.3rem; line-height: 1.3; margin: 1.8em 0 .4em; padding-top: .5em;
-     border-top: 1px solid #bbb }
-h3 { font-size: 1.0625rem; margin: 1.2em 0 .2em }
-h1, h2, h3 { break-after: avoid }
-.scroll { overflow-x: auto }
-table { border-collapse: collapse; font-size: 1rem; line-height: 1.3;
-        font-variant-numeric: tabular-nums }
-th, td { padding: .35em .5em; border-bottom: 1px solid #ddd; text-align: right;
-         overflow-wrap: normal; vertical-align: bottom }
-th { font-weight: 600 }
-th:first-child, td:first-child { text-align: left; padding-left: 0 }
-tr, figure, .note { break-inside: avoid }
-figure { margin: 1em 0 }
-figure img { display: block; width: 100%; max-width: 28rem; height: auto }
-.pictures { display: grid; gap: 0 1.5rem;
-            grid-template-columns: repeat(auto-fit, minmax(min(100%, 19rem), 1fr)) }
-.badge { display: inline-block; font-size: 1rem; font-weight: 600; line-height: 1.4;
-         padding: 0 .5em; border: 2px solid; border-radius: .3em; white-space: nowrap }
-.confirmed { color: #17652f } .suspected { color: #8a5300 } .changed { color: #1f4f8a }
-.note { border-left: 4px solid #8a5300; padding: .1em 0 .1em .8em; margin: 1em 0 }
-ul { padding-left: 1.2em } li { margin: .3em 0 }
-.quiet { color: #555; font-size: 1rem }
-a { color: #1f4f8a }
-@media print {
-  @page { margin: 16mm }
-  body { font-size: 10.5pt; max-width: none; padding: 0 }
-  table, .badge, .quiet { font-size: 10pt }
-  a { color: inherit; text-decoration: none }
-  .scroll { overflow: visible }
-  figure img { max-width: 125mm }
-}
-'''
 # Findings that are no entry of the vocabulary of joint effects.
 _PHYSICS = {
     UNKNOWN: 'None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
@@ -185,22 +148,6 @@ def _badges(finding):
 
 def _list_of(items):
     return '<ul>' + ''.join(f'<li>{item}</li>' for item in items) + '</ul>'
-
-
-def _table(head, rows):
-    """Return an HTML table that scrolls on its own; head and rows are HTML cells."""
-    top = ''.join(f'<th scope="col">{cell}</th>' for cell in head)
-    body = ''.join('<tr>' + ''.join(f'<td>{cell}</td>' for cell in row) + '</tr>'
-                   for row in rows)
-    return (f'<div class="scroll"><table><thead><tr>{top}</tr></thead>'
-            f'<tbody>{body}</tbody></table></div>')
-
-
-def _image(svg, text):
-    """Return a figure with its SVG inside; as an image, so that ids of figures never meet."""
-    data = base64.b64encode(svg.encode()).decode()
-    return (f'<figure><img src="data:image/svg+xml;base64,{data}" '
-            f'alt="{escape(text)}"></figure>')
 
 
 def _summary(diagnosis):
@@ -383,7 +330,7 @@ def page(diagnosis):
     return (
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{head}</title><style>{_STYLE}</style></head><body>'
+        f'<title>{head}</title><style>{STYLE}</style></head><body>'
         f'<p class="quiet">Diagnosis of the torque model of {escape(diagnosis.robot)}</p>'
         f'<h1>{head}</h1>' + (_summary(diagnosis) if diagnosis.findings else '')
         + _errors(diagnosis) + _load(diagnosis) + _learned(diagnosis.fine_tuning) + effects

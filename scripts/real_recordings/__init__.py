@@ -1,1 +1,1 @@
-"""Every set of measured recordings in ../shared/data: robot files, runs, diagnosis, one table."""
+"""Every set of measured recordings in ../shared/data: diagnosis, one table."""

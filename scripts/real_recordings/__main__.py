@@ -7,10 +7,10 @@ import subprocess
 import sys
 import time
 
+from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
+from hand_load_estimator.benchmark.real_sets import SETS, stage
 from hand_load_estimator.errors import HandLoadError
 
-from .robots import ARMS, write_robot_file
-from .sets import SETS, stage
 from .table import table
 
 # No set takes longer [s] unless something hangs.

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import yaml
 
-from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.recording import JointSample, read_recording, RecordingWriter
+from ..errors import RecordingError
+from ..recording import JointSample, read_recording, RecordingWriter
 
 # Where a set has one recording only: this much of its motion is learned from, the rest tested.
 TRAIN_SHARE = 0.7

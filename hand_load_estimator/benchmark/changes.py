@@ -1,0 +1,166 @@
+"""The changes suite: loads picked up, exchanged, dropped and slipped, and long running without."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from .. import seeds
+from ..identification import identify
+from ..load import LoadParameters
+from ..plant import simulate_motion
+from ..robot import load_robot
+from ..simulate_motions import named_motion
+from .cases import draw_load, identification_evidence, motion_start, stream_samples
+from .contestants import chosen_methods, our_contestants
+from .suites import CASES_PER_PLANT
+
+KINDS = ('pick', 'exchange', 'drop', 'slip')
+DURATION = 14.0           # [s] of a run with a change
+CHANGE_AT = (5.0, 8.0)    # [s] from its start
+# A slip that counts: mass times shift [kg m], for a rated load of 12.5 kg.
+SLIP = (0.1, 0.3)
+LEAST_MASS = 1.0          # [kg] of a load that is picked up, dropped or exchanged; likewise
+PLANTS = 10
+RUNNING = 1800.0          # [s] of one run without a change, cold at its start
+COLD = 15.0               # [degC]
+
+
+def draw_change(robot, seed, kind):
+    """Return (load before, load after, time of the change [s]) of a seed."""
+    rng = np.random.default_rng([seed, 11])
+    scale = robot.rated_load.mass / 12.5
+    first, second = (draw_load(robot, rng, (LEAST_MASS, 10.0)) for _ in range(2))
+    at, empty = float(rng.uniform(*CHANGE_AT)), LoadParameters()
+    if kind == 'slip':
+        way = rng.normal(size=3)
+        way *= rng.uniform(*SLIP) * scale / (first.mass * np.linalg.norm(way))
+        second = LoadParameters(first.mass, first.com + way, first.inertia)
+    return {'pick': (empty, first, at), 'drop': (first, empty, at)}.get(kind, (first, second, at))
+
+
+@lru_cache(maxsize=2)
+def _robot_and_model(robot_path, plant):
+    robot = load_robot(robot_path)
+    return robot, identify(robot, identification_evidence(robot, plant))
+
+
+def measure_change(robot_path, plant, seed, kind, learned, methods):
+    """
+    Return when each method saw one change of the load.
+
+    {'kind', 'at', 'moved', 'seen': {method: stamps}}: time of the change and of the first motion
+    after it [s] of a joint that carries the load; moved is None where there is none.
+    """
+    robot, model = _robot_and_model(robot_path, plant)
+    before, after, at = draw_change(robot, seed, kind)
+    rng = np.random.default_rng([seed, 12])
+    motion = named_motion('pick_place', robot, DURATION, rng.uniform(0.5, 1.0), seed)
+    events = simulate_motion(
+        robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=plant,
+        run=seed, start_temperature=rng.uniform(15.0, 50.0), load=before,
+        load_changes=[(at, after)])
+    samples = list(stream_samples(robot, events))
+    racing = our_contestants(model, chosen_methods(methods), learned)
+    seen = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
+    moved = motion_start(robot, [s for s in samples if s.stamp >= at])
+    return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved, 'seen': seen}
+
+
+def changes_seen(contestant, samples):
+    """Return the stamps [s] after which a Contestant counts one more change of the load."""
+    stamps, count = [], 0
+    for sample in samples:
+        contestant.update(sample)
+        if contestant.method.changes > count:
+            count = contestant.method.changes
+            stamps.append(sample.stamp)
+    return stamps
+
+
+def measure_running(robot_path, plant, seed, seconds, learned, methods):
+    """Return the changes that each method saw while a load stayed, from a cold start on."""
+    robot, model = _robot_and_model(robot_path, plant)
+    load = draw_load(robot, np.random.default_rng([seed, 13]))
+    motion = named_motion('pick_place', robot, seconds, 1.0, seed)
+    events = simulate_motion(
+        robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=plant,
+        run=seed, start_temperature=COLD, load=load)
+    racing = our_contestants(model, chosen_methods(methods), learned)
+    count = 0
+    # Not kept: half an hour of samples is not small.
+    for count, sample in enumerate(stream_samples(robot, events), start=1):
+        for contestant in racing.values():
+            contestant.update(sample)
+    return {'plant': plant, 'seconds': seconds, 'samples': count,
+            'changes': {name: c.method.changes for name, c in racing.items()},
+            'mismatch': {name: c.mismatches / max(count, 1) for name, c in racing.items()}}
+
+
+def change_jobs(robot_path, count, hours, learned, methods, development=False):
+    """
+    Return {label: arguments of measure_job} of `count` changes and `hours` of running.
+
+    Every plant meets every kind; running goes in parts of half an hour, each cold at its start.
+    """
+    plants = seeds.DEVELOPMENT_PLANTS[50:] if development else seeds.BENCHMARK_PLANTS
+    own = seeds.DEVELOPMENT_CASES if development else seeds.BENCHMARK_CASES
+    # Behind the accuracy suites' and the effects suite's seeds.
+    own, many = own[70_000:], min(PLANTS, -(-count // CASES_PER_PLANT))
+    each, jobs = -(-count // many), {}
+    for k in range(count):
+        plant = plants[k // each]
+        jobs[f'change_{plant}_{own[k]}'] = ('change', robot_path, plant, own[k],
+                                            KINDS[k % len(KINDS)], learned, methods)
+    for k in range(int(np.ceil(hours * 3600.0 / RUNNING - 1e-9))):
+        seconds = min(RUNNING, hours * 3600.0 - k * RUNNING)
+        plant, seed = plants[k % many], own[count + k]
+        jobs[f'running_{plant}_{seed}'] = ('running', robot_path, plant, seed, seconds, learned,
+                                           methods)
+    return jobs
+
+
+def measure_job(kind, *arguments):
+    """Return the result of one of change_jobs."""
+    return (measure_change if kind == 'change' else measure_running)(*arguments)
+
+
+def change_scores(results):
+    """
+    Return {'methods': {name: figures}} of results by label.
+
+    changes, missed (not seen until the end of the run), too_early (runs in which one was seen
+    before it happened), delays [s] after the first motion that could tell, by kind too;
+    false_alarms in hours of running.
+    """
+    changed = [r for label, r in results.items() if label.startswith('change_')]
+    running = [r for label, r in results.items() if label.startswith('running_')]
+    changed = [r for r in changed if r['moved'] is not None]
+    names = {name for r in changed for name in r['seen']} \
+        | {name for r in running for name in r['changes']}
+    return {'methods': {name: _figures(name, changed, running) for name in sorted(names)}}
+
+
+def _delay(name, result):
+    """Return the delay [s] of the first change seen after it happened, or None."""
+    after = [stamp for stamp in result['seen'][name] if stamp >= result['at']]
+    return max(after[0] - result['moved'], 0.0) if after else None
+
+
+def _figures(name, changed, running):
+    delays = [_delay(name, r) for r in changed]
+    seen = np.array([d for d in delays if d is not None])
+    kinds = {}
+    for kind in KINDS:
+        own = [d for d, r in zip(delays, changed) if r['kind'] == kind]
+        found = [d for d in own if d is not None]
+        kinds[kind] = {'changes': len(own), 'missed': len(own) - len(found),
+                       'delay_median': float(np.median(found)) if found else float('nan')}
+    return {'changes': len(delays), 'missed': sum(d is None for d in delays),
+            'too_early': sum(any(s < r['at'] for s in r['seen'][name]) for r in changed),
+            'delay_median': float(np.median(seen)) if len(seen) else float('nan'),
+            'delay_p95': float(np.quantile(seen, 0.95)) if len(seen) else float('nan'),
+            'delays': seen.tolist(), 'kinds': kinds,
+            'false_alarms': int(sum(r['changes'].get(name, 0) for r in running)),
+            'hours': float(sum(r['seconds'] for r in running) / 3600.0),
+            'mismatch': float(np.mean([r['mismatch'][name] for r in running])) if running
+            else float('nan')}

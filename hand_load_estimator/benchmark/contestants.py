@@ -1,0 +1,115 @@
+"""Who takes part: our methods by name, rivals that run sample by sample; what each costs."""
+
+from dataclasses import replace
+import time
+
+import numpy as np
+import pinocchio as pin
+
+from ..errors import ConfigurationError
+from ..estimators.build import build_method, METHODS, ON_DIFFERENCE
+from ..torque_model import ModelFollower
+from .rivals import FixedLoad, LeastSquares
+
+# The registry's first is what a user gets who names none.
+DEFAULT = tuple(METHODS)[0]
+# The default without what it learned: the recursive Bayesian update alone.
+WITHOUT_NETWORK = 'bayes'
+BLIND = f'{DEFAULT}, temperatures withheld'
+TEXTBOOK = 'least squares, Coulomb + viscous'
+TEXTBOOK_CAREFUL = 'the same, standing joints left out'
+NOMINAL = 'recursive least squares, nominal model'
+FIXED = 'fixed rated load'
+REGRESSOR = 'one pinocchio load regressor call'
+
+
+def chosen_methods(names=None):
+    """Return the names of methods to measure, all by default; raises ConfigurationError."""
+    unknown = [name for name in names or () if name not in METHODS]
+    if unknown:
+        raise ConfigurationError('--methods', 'are not all known', ','.join(unknown),
+                                 ', '.join(METHODS))
+    return tuple(names or METHODS)
+
+
+class Contestant:
+    """
+    A method with the torque model it looks through.
+
+    blind: temperatures are withheld from both. times: what each sample took [s of processor
+    time: other work on the machine does not count]. mismatches: samples after which the method
+    said that torques and model do not fit.
+    """
+
+    def __init__(self, model, method, blind=False):
+        self._follower = ModelFollower(model) if model is not None else None
+        self._blind, self.times, self.mismatches = blind, [], 0
+        self.method = method(self._follower)
+
+    def update(self, sample):
+        """Take one MotionSample; return the Belief."""
+        began = time.thread_time()
+        if self._blind:
+            sample = replace(sample, temperature=np.full_like(sample.temperature, np.nan))
+        prediction = self._follower.update(sample) if self._follower else None
+        belief = self.method.update(sample, prediction)
+        if self._follower:
+            self._follower.carry(belief, self.method)
+        self.times.append(time.thread_time() - began)
+        self.mismatches += bool(getattr(self.method, 'mismatch', ''))
+        return belief
+
+
+def our_contestants(model, names, learned, difference=None):
+    """
+    Return {name: Contestant} of our methods on a TorqueModel.
+
+    learned: artefact of the default method, or None for the shipped one; difference: folder of
+    the torque difference learned for this model, for the methods on one. A method without an
+    artefact for this robot falls back on another: it stands once, under the name of that.
+    """
+    out = {}
+    for name in names:
+        own = difference if name in ON_DIFFERENCE else learned if name == DEFAULT else None
+        contestant = Contestant(
+            model, lambda f, n=name, o=own: build_method(model, f.uncertainties, n, o))
+        ran = contestant.method.name
+        out.setdefault(ran if ran in METHODS else name, contestant)
+    return out
+
+
+def contestants(robot, models, names, learned):
+    """Return {name: Contestant}, fresh for one case: ours and the baselines."""
+    ours, textbook, nominal = models['ours'], models['textbook'], models['nominal']
+    out = our_contestants(ours, names, learned, models.get('difference'))
+    if DEFAULT in out:
+        out[BLIND] = Contestant(
+            ours, lambda f: build_method(ours, f.uncertainties, DEFAULT, learned), blind=True)
+    return {
+        **out,
+        TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, skip_standing=False)),
+        TEXTBOOK_CAREFUL: Contestant(
+            textbook, lambda f: LeastSquares(textbook, skip_standing=True)),
+        NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, skip_standing=False)),
+        FIXED: Contestant(None, lambda f: FixedLoad(robot))}
+
+
+class RegressorClock:
+    """What one call of pinocchio's joint torque regressor takes here: the unit of every cost."""
+
+    def __init__(self, robot):
+        self._model, self._data = robot.model, robot.model.createData()
+        self.times = []
+
+    def update(self, sample):
+        """Time one call at a MotionSample."""
+        began = time.thread_time()
+        pin.computeJointTorqueRegressor(self._model, self._data, sample.q, sample.v, sample.a)
+        self.times.append(time.thread_time() - began)
+
+
+def cost_of(times):
+    """Return mean, median and 99th percentile [s] of what samples took, the first one left out."""
+    times = np.asarray(times[1:] or [0.0])
+    return {'mean': float(times.mean()), 'p50': float(np.median(times)),
+            'p99': float(np.quantile(times, 0.99))}

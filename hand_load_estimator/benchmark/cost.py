@@ -1,0 +1,54 @@
+"""The cost suite: what one sample costs each method, alone in a process of its own."""
+
+import numpy as np
+
+from .. import seeds
+from ..model_file import read_model
+from ..shared_files import find_shared
+from .cases import case_samples, draw_case
+from .contestants import chosen_methods, cost_of, our_contestants, REGRESSOR, RegressorClock
+from .memory import resident_mib
+
+# Samples before the clock starts: caches and just-in-time work are no running cost.
+_WARM_UP = 50
+
+
+def measure_cost(robot_name, method, learned):
+    """
+    Return the cost of one method on a development case with the model shipped for a robot.
+
+    {'name', 'cost', 'regressor'}: seconds per 20 ms sample and per call of pinocchio's regressor
+    at the same samples, each mean, p50, p99; 'start_mib': memory that building it took;
+    'growth_mib': that it took from the first second to the last.
+    """
+    model = read_model(find_shared(robot_name, 'models'))
+    robot = model.robot
+    samples = case_samples(robot, draw_case(robot, seeds.SHIPPED_MODEL_PLANT,
+                                            seeds.DEVELOPMENT_CASES[0]))
+    clock, before = RegressorClock(robot), resident_mib()
+    racing = our_contestants(model, (method,), learned)
+    built, (contestant,) = resident_mib(), racing.values()
+    for k, sample in enumerate(samples):
+        clock.update(sample)
+        contestant.update(sample)
+        if k == _WARM_UP:
+            warm = resident_mib()
+    return {'name': contestant.method.name, 'cost': cost_of(contestant.times[_WARM_UP:]),
+            'regressor': cost_of(clock.times[_WARM_UP:]), 'start_mib': built - before,
+            'growth_mib': resident_mib() - warm}
+
+
+def cost_jobs(robot_name, learned, methods):
+    """Return {label: arguments} of measure_cost, one per method."""
+    return {f'cost_{name}': (robot_name, name, learned) for name in chosen_methods(methods)}
+
+
+def cost_scores(results):
+    """Return {'cost': {method: seconds}, 'memory': {method: MiB}} of results by label."""
+    by_name = {label.removeprefix('cost_'): r for label, r in results.items()}
+    unit = {key: float(np.median([r['regressor'][key] for r in by_name.values()]))
+            for key in ('mean', 'p50', 'p99')}
+    return {'cost': {REGRESSOR: unit, **{name: r['cost'] for name, r in by_name.items()}},
+            'memory': {name: {key: r[key] for key in ('start_mib', 'growth_mib')}
+                       for name, r in by_name.items()},
+            'is': {name: r['name'] for name, r in by_name.items()}}

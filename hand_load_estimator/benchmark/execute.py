@@ -1,0 +1,100 @@
+"""Measure jobs over all cores or a cluster; one JSON file per job, so that a kill costs little."""
+
+from concurrent.futures import as_completed, ProcessPoolExecutor
+from functools import partial
+import json
+from multiprocessing import get_context
+import os
+from pathlib import Path
+import time
+
+from ..errors import ConfigurationError
+from ..workers import end_with
+
+PROCESSES = 'processes'
+
+
+def stored(measure, label, arguments, folder):
+    """
+    Return (content, fresh): folder/<label>.json, measured and written unless it is there.
+
+    measure(*arguments) -> JSON content. Another machine may work in the same folder.
+    """
+    path = Path(folder) / f'{label}.json'
+    if path.exists():
+        return json.loads(path.read_text('utf-8')), False
+    content = measure(*arguments)
+    part = path.with_suffix(f'.{os.getpid()}.part')
+    part.write_text(json.dumps(content), encoding='utf-8')
+    os.replace(part, path)
+    return content, True
+
+
+def measure_all(measure, jobs, folder, workers=None, backend=PROCESSES, write=print,
+                alone=False):
+    """
+    Return {label: content} of jobs {label: arguments}, in their order.
+
+    measure: a function of a module. workers: processes (None: one per core; 0: this process).
+    backend: `processes`, or one of joblib's (loky, dask, ray, ...) where joblib is installed. A
+    job that raises in a worker is told and left out; the next run tries it again. alone: one job
+    at a time, each in a process of its own, here and not on the cluster.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    if workers == 0:
+        return {label: stored(measure, label, arguments, folder)[0]
+                for label, arguments in jobs.items()}
+    began, fresh, done, results = time.monotonic(), 0, 0, {}
+    missing = sum(not (folder / f'{label}.json').exists() for label in jobs)
+    write(f'{len(jobs) - missing} of {len(jobs)} are there')
+    calls = [(measure, label, arguments, str(folder)) for label, arguments in jobs.items()]
+    run = partial(_processes, jobs_each=1) if alone else _runner(backend)
+    for label, content, new, failure in run(calls, 1 if alone else workers or os.cpu_count() or 1):
+        done += 1
+        if failure:
+            write(f'{label} failed: {failure}')
+            continue
+        results[label] = content
+        fresh += new
+        if new:
+            left = (time.monotonic() - began) / fresh * (missing - fresh)
+            write(f'{done}/{len(jobs)}  {left / 60.0:.1f} min left  {label}')
+    return {label: results[label] for label in jobs if label in results}
+
+
+def _attempt(measure, label, arguments, folder):
+    """Return label, content, whether it is new, and why there is none."""
+    try:
+        return (label, *stored(measure, label, arguments, folder), '')
+    except Exception as error:
+        # One broken plant must not lose the hours behind the others; the page counts it.
+        return label, None, False, f'{type(error).__name__}: {error}'
+
+
+def _runner(backend):
+    return _processes if backend == PROCESSES else _joblib_runner(backend)
+
+
+def _processes(calls, workers, jobs_each=None):
+    # One thread per process, told before a worker loads numpy: cores times threads is slower.
+    os.environ.setdefault('OMP_NUM_THREADS', '1')
+    with ProcessPoolExecutor(workers, get_context('spawn'), end_with, (os.getpid(),),
+                             max_tasks_per_child=jobs_each) as pool:
+        for job in as_completed([pool.submit(_attempt, *call) for call in calls]):
+            yield job.result()
+
+
+def _joblib_runner(backend):
+    try:
+        from joblib import delayed, Parallel, parallel_config
+    except ModuleNotFoundError:
+        raise ConfigurationError('--backend', 'needs joblib, which is not installed', backend,
+                                 PROCESSES, '`pip install joblib`, or leave --backend out') \
+            from None
+
+    def run(calls, workers):
+        with parallel_config(backend=backend, n_jobs=workers):
+            yield from Parallel(return_as='generator_unordered')(
+                delayed(_attempt)(*call) for call in calls)
+    return run

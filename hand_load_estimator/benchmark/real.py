@@ -1,0 +1,113 @@
+"""The real suite: on measured recordings without load the estimate must stay near zero."""
+
+from pathlib import Path
+import shutil
+
+import numpy as np
+
+from ..errors import ConfigurationError
+from ..identification import identify, prepare
+from ..joint_stream import JointStream, motion_of, motion_samples
+from ..load import LoadParameters
+from ..recording import read_recording
+from ..robot import load_robot
+from ..shared_files import find_shared
+from .contestants import (chosen_methods, Contestant, our_contestants, TEXTBOOK,
+                          TEXTBOOK_CAREFUL)
+from .cases import motion_start
+from .real_robots import ARMS, write_robot_file
+from .real_sets import SETS, stage
+from .rivals import COULOMB_VISCOUS, LeastSquares
+
+TIMES = (0.5, 1.0, 3.0, 10.0)   # [s] after motion start; the end follows
+MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
+# Runs with a load that the models above are tried on too: {set: {run: mass [kg]}}. By the file's
+# name; a fit with the controller's gains says 2.50 kg (README of the data).
+LOADED = {'ur10e': {'ident_20_01_13-load_2600': 2.6}}
+
+
+def real_jobs(data, names, folder, methods):
+    """Return {label: arguments} of measure_set; raises ConfigurationError without the data."""
+    data = Path(data)
+    if not data.is_dir():
+        raise ConfigurationError('--data', 'is not there', str(data),
+                                 f'the folder that holds {", ".join(SETS)}')
+    found = [name for name in names or SETS if (data / name).is_dir()]
+    return {f'real_{name}': (name, str(data), str(folder), methods) for name in found}
+
+
+def measure_set(name, data, folder, methods):
+    """
+    Return what every method says of the test runs of one measured set.
+
+    A list of {'set', 'run', 'truth' (mass [kg] beside what the model was identified with),
+    'rated', 'methods': {name: [[mass, std], ...]} at MOMENTS, None where the run is shorter}.
+    """
+    chosen, data = SETS[name], Path(data)
+    inputs = Path(folder) / 'inputs' / name
+    shutil.rmtree(inputs, ignore_errors=True)
+    train, test = stage(chosen, data / name, inputs)
+    path = (write_robot_file(name, data, inputs) if chosen.robot in ARMS
+            else find_shared(chosen.robot, 'robots'))
+    robot = load_robot(path)
+    recordings = [read_recording(run) for run in train]
+    evidence = [_evidence(robot, recording) for recording in recordings]
+    models = {'ours': identify(robot, evidence),
+              'textbook': identify(robot, evidence, COULOMB_VISCOUS)}
+    held = (recordings[0].load or LoadParameters()).mass
+    runs = [(run, held) for run in test]
+    runs += [(data / name / run, mass) for run, mass in LOADED.get(name, {}).items()]
+    return [{'set': name, 'run': Path(run).name, 'truth': mass, 'rated': robot.rated_load.mass,
+             'methods': _beliefs(robot, models, read_recording(run, with_load=False), methods)}
+            for run, mass in runs]
+
+
+def _evidence(robot, recording):
+    motion, _ = motion_of(robot, recording)
+    return prepare(robot, recording.path.name, motion, recording.load or LoadParameters())
+
+
+def _racing(models, methods):
+    textbook = models['textbook']
+    return {**our_contestants(models['ours'], chosen_methods(methods), None),
+            TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, False)),
+            TEXTBOOK_CAREFUL: Contestant(textbook, lambda f: LeastSquares(textbook, True))}
+
+
+def _beliefs(robot, models, recording, methods):
+    """Return {method: [[mass, std] or None at each of MOMENTS]} along a recording."""
+    samples = [s for s in motion_samples(JointStream(robot), recording) if not s.fresh]
+    start, racing = motion_start(robot, samples), _racing(models, methods)
+    out, due = {name: [None] * len(MOMENTS) for name in racing}, list(enumerate(TIMES))
+    if start is None:
+        return out
+    for sample in samples:
+        beliefs = {name: c.update(sample) for name, c in racing.items()}
+        while due and sample.stamp >= start + due[0][1] - 1e-9:
+            _note(out, due.pop(0)[0], beliefs)
+    _note(out, -1, beliefs)
+    return out
+
+
+def _note(out, place, beliefs):
+    for name, belief in beliefs.items():
+        out[name][place] = [float(belief.mean[0]), float(np.sqrt(belief.covariance[0, 0]))]
+
+
+def real_scores(results):
+    """Return {'runs': [...], 'methods': {name: figures}} of results by label."""
+    runs = [run for part in results.values() for run in part]
+    # A run in which no joint that carries the load moves has no figures.
+    names = {name: None for run in runs for name, found in run['methods'].items() if found[-1]}
+    return {'runs': runs, 'methods': {name: _figures(name, runs) for name in names}}
+
+
+def _figures(name, runs):
+    """Return the error's median and largest value, % of rated, and how often 2 std cover it."""
+    found = [(r['methods'][name][-1], r) for r in runs
+             if name in r['methods'] and r['methods'][name][-1]]
+    errors = np.array([mass - r['truth'] for (mass, _), r in found])
+    percent = np.abs(errors) / [r['rated'] for _, r in found] * 100.0
+    inside = np.abs(errors) <= 1.96 * np.array([std for (_, std), _ in found])
+    return {'runs': len(found), 'median_percent': float(np.median(percent)),
+            'worst_percent': float(percent.max()), 'inside': float(inside.mean())}

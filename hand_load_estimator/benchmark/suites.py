@@ -1,0 +1,97 @@
+"""The accuracy suites: which cases each draws, on which plants, and why."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from .. import seeds
+from ..errors import ConfigurationError
+from ..plant.hidden import EFFECTS
+from .cases import Case, draw_case, draw_load
+from .effect_cases import EffectCase, Hidden, place, SINGLE
+from .wrist_swing import WRIST_SWING
+
+# From this many cases on (the default method's coverage) plants are as many as here.
+MANY_PLANTS = 50
+CASES_PER_PLANT = 4
+UNDECLARED_STRENGTH = 2.0
+# Loads of the inertia suite, for a rated load of 12.5 kg: mass [kg], half axes [m].
+_HEAVY, _WIDE = (6.0, 10.0), (0.15, 0.2)
+
+
+@dataclass(frozen=True)
+class Suite:
+    """
+    One accuracy suite.
+
+    about: a sentence for the page; draw(robot, plant, seed) -> Case; count: cases unless told;
+    plants: of that count; plant_seeds, case_seeds: ranges. first_plant: where its plants begin.
+    """
+
+    about: str
+    draw: object
+    count: int = 40
+    plants: int = 10
+    plant_seeds: range = seeds.BENCHMARK_PLANTS
+    case_seeds: range = seeds.BENCHMARK_CASES
+
+
+def draw_wide_case(robot, plant, seed):
+    """Return the Case of a heavy, wide load and a motion that lets its inertia be felt."""
+    rng = np.random.default_rng(seed)
+    load = draw_load(robot, rng, _HEAVY, _WIDE, 0.05)
+    return Case(plant, seed, load, rng.uniform(15.0, 50.0), 1.0, WRIST_SWING)
+
+
+def draw_undeclared_case(robot, plant, seed):
+    """
+    Return the Case of an arm to which one hidden effect happened after its identification.
+
+    Effects take turns by the seed; each acts on the first joint drawn that can have it so strong.
+    """
+    case = draw_case(robot, plant, seed)
+    names = list(EFFECTS)
+    name = names[seed % len(names)]
+    joints = np.random.default_rng([seed, 5]).permutation(robot.n)
+    order = tuple(int(j) for j in joints) if EFFECTS[name].per_joint else ()
+    try:
+        entries = place(robot, EffectCase(SINGLE, plant,
+                                          (Hidden(name, UNDECLARED_STRENGTH, order),)))
+    except ConfigurationError:
+        # No joint can have it so strong (a small arm): the case then says it is clean.
+        entries = []
+    return Case(plant, seed, case.load, case.temperature, case.speed, hidden=tuple(entries))
+
+
+SUITES = {
+    'base': Suite('loads, temperatures, speeds and motions of every kind', draw_case, 200, 25),
+    'development': Suite('the base suite on seeds for looking and choosing', draw_case, 64, 8,
+                         seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES),
+    'cold': Suite('started at 15 to 20 degC; otherwise the cases of `warm`',
+                  partial(draw_case, temperatures=(15.0, 20.0))),
+    'warm': Suite('started at 40 to 50 degC', partial(draw_case, temperatures=(40.0, 50.0))),
+    'slow': Suite('30 to 45 % of the quickest', partial(draw_case, speeds=(0.3, 0.45))),
+    'fast': Suite('85 to 100 % of the quickest', partial(draw_case, speeds=(0.85, 1.0))),
+    'inertia': Suite('loads of 6 to 10 kg, 0.3 to 0.4 m across, wrists swinging above 10 rad/s^2',
+                     draw_wide_case),
+    'undeclared': Suite('one hidden effect of strength 2 since the identification',
+                        draw_undeclared_case)}
+
+
+def cases_of(suite, count=None, development=False):
+    """
+    Return (plant seed, [case seeds]) of `count` cases of a Suite, plant by plant.
+
+    development: on seeds for looking and choosing instead of the benchmark's.
+    """
+    count = suite.count if count is None else count
+    many = suite.plants if count <= suite.count else max(suite.plants, MANY_PLANTS)
+    plants, own = suite.plant_seeds, suite.case_seeds
+    if development:
+        plants, own = seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES
+    # A plant's identification costs as much as several cases: few cases share one.
+    many = min(many, -(-count // CASES_PER_PLANT), len(plants))
+    each = -(-count // many)
+    parts = [list(own[k * each:min((k + 1) * each, count)]) for k in range(many)]
+    return [(plant, part) for plant, part in zip(plants, parts) if part]

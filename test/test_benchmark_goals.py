@@ -1,0 +1,137 @@
+"""Goals from results made by hand, the tables behind them, and how a page is told."""
+
+import numpy as np
+import pytest
+from test_benchmark import result
+
+from hand_load_estimator.benchmark import goals
+from hand_load_estimator.benchmark.document import (Heading, Picture, Table, Text, to_html,
+                                                    to_markdown, write_pages)
+from hand_load_estimator.benchmark.measure import MOMENTS
+from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
+                                                  offline_scores, overview, score)
+
+NAMES = ('lstm', 'bayes', goals.NOMINAL, goals.TEXTBOOK, goals.TEXTBOOK_CAREFUL)
+
+
+def case(plant, offs, std=1.0, bound=0.5):
+    """Return a complete case in which method k is off by offs[k] in every figure."""
+    out = result(plant, plant, mass=5.0, bound=bound)
+    load = np.array(out['load'])
+    out['methods'] = {name: [[(load + off).tolist(), [std] * 10]] * len(MOMENTS)
+                      for name, off in zip(NAMES, offs)}
+    out['seconds_per_sample'] = dict.fromkeys(NAMES, 1e-3)
+    return out
+
+
+def content(results):
+    scores = score(results, 12.5)
+    return {'scores': scores, 'overview': overview(results), 'network': network_shares(scores)}
+
+
+def judged(contents):
+    return {what: (measured, reached) for what, _, measured, reached in goals.goal_rows(contents)}
+
+
+def test_nothing_measured_is_nothing_reached():
+    rows = goals.goal_rows({})
+    assert len(rows) == 21
+    assert {row[3] for row in rows} == {None}
+    assert {row[2] for row in rows} == {goals.NOT_MEASURED}
+
+
+def test_mass_and_rivals_are_judged_on_the_default():
+    near = judged({'base': content([case(k, (0.004, 0.008, 0.1, 0.05, 0.01)) for k in range(3)])})
+    assert near['mass, 3 s, RMSE'] == ('4 g', True)
+    assert near['mass, 10 s, RMSE'] == ('4 g', True)
+    assert near['mass, 10 s, ratio to the Cramer-Rao bound'] == ('0.008', True)
+    assert near['recursive least squares, nominal model, over ours at 1 s'] == ('25.0 x', True)
+    # The better of the two least squares is the rival: 10 g over 4 g.
+    assert near['best least squares with Coulomb + viscous over ours at 1 s'] == ('2.5 x', False)
+    assert near["the network's own share of the error at 1 s, mass"] == ('50 %', True)
+    far = judged({'base': content([case(k, (0.9, 1.0, 1.0, 1.0, 1.0)) for k in range(3)])})
+    assert far['mass, 0.2 s after motion start, 95th percentile'][1] is False
+    assert far["the network's own share of the error at 1 s, mass"] == ('10 %: below 20 %', False)
+
+
+def test_coverage_counts_from_2000_cases_and_40_plants():
+    goal = 'coverage of 95 % intervals, every parameter and time'
+    # 95 of 100 inside.
+    some = [case(k % 40, (9.0 if k % 100 < 5 else 0.0,) * 5) for k in range(200)]
+    measured, reached = judged({'base': content(some)})[goal]
+    assert measured.startswith('95.0 to 95.0 %') and 'too few' in measured and reached is False
+    counted = content(some)
+    counted['overview'].update(scored=2000, plants=40)
+    assert judged({'base': counted})[goal][1] is True
+
+
+def test_cold_is_over_warm_at_the_worst_time():
+    cold, warm = (content([case(k, (off,) * 5) for k in range(2)]) for off in (0.16, 0.1))
+    assert judged({'cold': cold, 'warm': warm})['cold over warm, mass RMSE, worst time'] \
+        == ('1.60 x at 0.1 s, 1.60 x at 1 s', False)
+    assert judged({'cold': cold})['cold over warm, mass RMSE, worst time'][1] is None
+
+
+def test_moments_are_due_where_the_bound_settles_them():
+    """One body whose moments the bound knows to 4 %, one to 40 %; stds decide what is declared."""
+    def wide(bound_share, std):
+        out = case(1, (0.0,) * 5)
+        truth = np.array(out['load'])
+        moment = truth[4]
+        out['bound'] = [[bound_share * moment] * 10] * len(MOMENTS)
+        rows = [[(truth * 1.1).tolist(), [std * moment] * 10]] * len(MOMENTS)
+        out['methods'] = {'lstm': rows}
+        out['determined_below'] = [0.2 * moment] * 10
+        return out
+
+    least = min(np.array(case(1, (0.0,) * 5)['load'])[[4, 7, 9]])
+    assert least > 0.0
+    found = inertia_scores([wide(0.01, 0.1), wide(5.0, 0.1)])['lstm']
+    assert (found['due'], found['declared'], found['declared_beyond']) == (3, 1.0, 3)
+    assert found['median_error'] == pytest.approx(10.0)
+    assert inertia_scores([wide(0.01, 0.5)])['lstm']['declared'] == 0.0
+    assert inertia_scores([wide(5.0, 0.1)]) == {}
+
+
+def test_offline_rivals_are_scored_beside_ours_on_their_cases():
+    first, second = case(1, (0.1,) * 5), case(2, (0.7,) * 5)
+    load = np.array(first['load'])
+    row = [(load + 0.2).tolist(), [1.0] * 10]
+    first['offline'] = {'figaroh': {'3 s': 'ValueError: no', '10 s': row, 'end': row}}
+    found = offline_scores([first, second])
+    assert found['cases'] == 1
+    assert found['methods']['figaroh']['3 s']['cases'] == 0
+    assert found['methods']['figaroh']['end']['mass'] == pytest.approx(0.2)
+    assert found['methods']['lstm']['end']['mass'] == pytest.approx(0.1)
+    assert offline_scores([second]) == {}
+
+
+def test_changes_and_soak_are_judged():
+    changes = {'methods': {'lstm': {'changes': 8, 'missed': 1, 'delay_median': 0.1,
+                                    'delay_p95': 0.15, 'false_alarms': 0, 'hours': 10.0}}}
+    soak = {'hours': 24.0, 'flat_memory': True, 'flat_time': True, 'times_real_time': 12.0,
+            'growth_mib': 0.3, 'time_drift_percent': 1.0}
+    found = judged({'changes': changes, 'soak': soak})
+    assert found['load change: 95th percentile of the delay after motion'][1] is False
+    assert found['false load changes while running from cold'] == ('0 in 10.0 h', True)
+    assert found['soak: memory and time per message'][1] is True
+    changes['methods']['lstm'].update(missed=0, hours=5.0)
+    found = judged({'changes': changes, 'soak': {**soak, 'hours': 1.0}})
+    assert found['load change: 95th percentile of the delay after motion'][1] is True
+    assert found['false load changes while running from cold'][1] is False
+    assert found['soak: memory and time per message'][1] is False
+
+
+def test_a_page_is_told_twice(tmp_path):
+    blocks = [Heading('Title <1>', 1), Text('see `code` & **this**'),
+              Table(('a', 'b'), (('1', '**no**'),)),
+              Picture('p', lambda figure: figure.subplots().plot([0, 1]), 'a line', 2.0)]
+    assert to_markdown(blocks) == ('# Title <1>\n\nsee `code` & **this**\n\n'
+                                   '| a | b |\n| --- | --- |\n| 1 | **no** |\n\n'
+                                   '![a line](p.png)\n')
+    html = to_html(blocks)
+    assert '<h1>Title &lt;1&gt;</h1>' in html and '<strong>no</strong>' in html
+    assert '<code>code</code> &amp;' in html and 'data:image/svg+xml' in html
+    assert 'http' not in html.split('<body>')[1]
+    write_pages(tmp_path, blocks)
+    assert {p.name for p in tmp_path.iterdir()} == {'README.md', 'index.html', 'p.png'}

@@ -1,0 +1,193 @@
+"""Changes, measured recordings, cost and soak: from small runs and from results made by hand."""
+
+import math
+import os
+from pathlib import Path
+
+from core_helpers import four_axes
+import numpy as np
+import pytest
+from ros_helpers import ROOT
+
+from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import changes, cost, real, soak
+from hand_load_estimator.benchmark.contestants import chosen_methods, cost_of, REGRESSOR
+from hand_load_estimator.benchmark.document import to_markdown
+from hand_load_estimator.benchmark.memory import resident_mib
+from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
+                                                       soak_blocks)
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.plant import JointEvent, TemperatureEvent
+from hand_load_estimator.shared_files import find_shared
+
+DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
+
+
+@pytest.mark.parametrize('kind', changes.KINDS)
+def test_a_change_is_of_its_kind(kind):
+    robot = four_axes()
+    scale = robot.rated_load.mass / 12.5
+    for seed in seeds.DEVELOPMENT_CASES[:30]:
+        before, after, at = changes.draw_change(robot, seed, kind)
+        assert changes.CHANGE_AT[0] <= at <= changes.CHANGE_AT[1]
+        assert (before.mass == 0.0) == (kind == 'pick') and (after.mass == 0.0) == (kind == 'drop')
+        if kind == 'slip':
+            moved = before.mass * np.linalg.norm(after.com - before.com)
+            assert after.mass == before.mass and 0.1 * scale <= moved <= 0.3 * scale
+
+
+def seen(kind, at, moved, *stamps):
+    return {'kind': kind, 'plant': 1, 'at': at, 'moved': moved, 'seen': {'bayes': list(stamps)}}
+
+
+def ran(seconds, count):
+    return {'plant': 1, 'seconds': seconds, 'samples': 10, 'changes': {'bayes': count},
+            'mismatch': {'bayes': 0.5}}
+
+
+def test_delays_count_from_motion_and_only_after_the_change():
+    results = {'change_a': seen('pick', 5.0, 6.0, 6.1),
+               'change_b': seen('pick', 5.0, 6.0, 4.0, 6.3),
+               'change_c': seen('drop', 5.0, 6.0), 'change_d': seen('slip', 5.0, 6.0, 5.5),
+               'change_e': seen('slip', 5.0, None),
+               'running_a': ran(1800.0, 0), 'running_b': ran(5400.0, 2)}
+    figures = changes.change_scores(results)['methods']['bayes']
+    assert (figures['changes'], figures['missed'], figures['too_early']) == (4, 1, 1)
+    # Seen at rest before the first motion is seen at once.
+    assert figures['delays'] == pytest.approx([0.1, 0.3, 0.0])
+    assert figures['delay_median'] == pytest.approx(0.1)
+    assert figures['kinds']['drop'] == {'changes': 1, 'missed': 1,
+                                        'delay_median': pytest.approx(math.nan, nan_ok=True)}
+    assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
+    page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
+    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page
+
+
+def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
+    jobs = changes.change_jobs('r.yaml', 6, 1.25, None, None, development=True)
+    kinds = [job[4] for job in jobs.values() if job[0] == 'change']
+    assert kinds == ['pick', 'exchange', 'drop', 'slip', 'pick', 'exchange']
+    assert [job[4] for job in jobs.values() if job[0] == 'running'] == [1800.0, 1800.0, 900.0]
+    assert all(job[2] in seeds.DEVELOPMENT_PLANTS for job in jobs.values())
+    assert all(job[3] in seeds.DEVELOPMENT_CASES for job in jobs.values())
+    assert len({job[3] for job in jobs.values()}) == len(jobs)
+
+
+def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
+    """The shipped model on the arm it was identified from."""
+    model = read_model(find_shared('ur10e', 'models'))
+    monkeypatch.setattr(changes, '_robot_and_model', lambda *_: (model.robot, model))
+    monkeypatch.setattr(changes, 'DURATION', 6.0)
+    monkeypatch.setattr(changes, 'CHANGE_AT', (2.0, 2.5))
+    plant = seeds.SHIPPED_MODEL_PLANT
+    found = changes.measure_job('change', 'ur10e', plant, seeds.DEVELOPMENT_CASES[700], 'pick',
+                                None, ('bayes',))
+    assert found['at'] <= found['moved'] < 6.0
+    (stamps,) = found['seen'].values()
+    assert stamps and found['at'] <= stamps[0] < found['moved'] + 2.0
+    quiet = changes.measure_job('running', 'ur10e', plant, seeds.DEVELOPMENT_CASES[701], 4.0,
+                                None, ('bayes',))
+    assert quiet['changes'] == {'bayes': 0} and quiet['samples'] > 150
+
+
+# Measured recordings.
+
+def test_the_error_on_a_recording_is_less_what_the_model_was_identified_with():
+    runs = {'real_a': [{'set': 'a', 'run': 'r', 'truth': 150.0, 'rated': 300.0,
+                        'methods': {'bayes': [None, None, None, None, [153.0, 2.0]]}},
+                       {'set': 'a', 'run': 's', 'truth': 0.0, 'rated': 10.0,
+                        'methods': {'bayes': [None, None, None, None, [0.3, 0.1]]}}]}
+    content = real.real_scores(runs)
+    assert content['methods']['bayes'] == {'runs': 2, 'median_percent': pytest.approx(2.0),
+                                           'worst_percent': pytest.approx(3.0), 'inside': 0.5}
+    assert '+3.000 (2.000)' in to_markdown(real_blocks(content))
+
+
+def test_data_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(ConfigurationError, match='--data'):
+        real.real_jobs(tmp_path / 'none', None, tmp_path, None)
+    (tmp_path / 'panda').mkdir()
+    assert list(real.real_jobs(tmp_path, None, tmp_path, None)) == ['real_panda']
+
+
+@pytest.mark.skipif(not (DATA / 'staubli_tx40').is_dir(), reason=f'no recordings at {DATA}')
+def test_a_measured_set_is_identified_and_estimated(tmp_path):
+    (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',))
+    assert found['truth'] == 0.0 and found['rated'] == 1.7
+    mass, std = found['methods']['bayes'][-1]
+    assert abs(mass) < 1.7 and 0.0 < std < 1.0
+
+
+# Cost and memory.
+
+def test_the_first_sample_is_no_running_cost():
+    assert cost_of([9.0, *[1.0] * 98, 3.0]) == {
+        'mean': pytest.approx(101.0 / 99.0), 'p50': 1.0, 'p99': pytest.approx(1.04, abs=0.01)}
+
+
+def test_cost_is_told_over_one_regressor_call():
+    found = {'name': 'bayes', 'cost': {'mean': 3e-4, 'p50': 2e-4, 'p99': 9e-4},
+             'regressor': {'mean': 1e-5, 'p50': 1e-5, 'p99': 2e-5}, 'start_mib': 1.0,
+             'growth_mib': 0.25}
+    content = cost.cost_scores({'cost_lstm': found})
+    assert content['cost'][REGRESSOR]['mean'] == 1e-5
+    page = to_markdown(cost_blocks(content))
+    assert '| lstm | 300.0 | 200.0 | 900.0 | 30 | 90 | +1.0 | +0.2 |' in page
+    assert '`lstm` has no artefact here and ran as `bayes`' in page
+
+
+def test_every_method_has_a_cost_job():
+    assert set(cost.cost_jobs('ur10e', None, None)) \
+        == {f'cost_{name}' for name in chosen_methods()}
+
+
+def test_resident_memory_is_seen():
+    before = resident_mib()
+    held = np.ones(4_000_000)
+    assert resident_mib() - before > 20.0 and held[0] == 1.0
+
+
+# Soak.
+
+class Counting:
+    """A pipeline that only counts; each message costs it the same."""
+
+    def __init__(self, robot):
+        self.model = type('Model', (), {'robot': robot})
+        self.samples, self.load_id, self.rejected, self.stamps = 0, 0, {}, []
+        mean = np.r_[robot.rated_load.mass, np.zeros(9)]
+        self.method = type('Method', (), {'belief': lambda _: type('B', (), {'mean': mean})})()
+        self.read = 0
+
+    def temperature_reading(self, joint, celsius):
+        self.read += 1
+
+    def joint_state(self, stamp, names, position, velocity, effort):
+        self.samples += 1
+        self.stamps.append(stamp)
+
+    def settle(self):
+        pass
+
+
+def test_loops_are_replayed_without_a_gap_in_time():
+    robot, zero = four_axes(), np.zeros(4)
+    events = [TemperatureEvent(0.0, zero + 25.0),
+              *(JointEvent(0.01 * k, zero, zero, zero) for k in range(100))]
+    pipeline = Counting(robot)
+    found = soak.replay(pipeline, events, 1.0, 5.0 / 3600.0)
+    assert pipeline.samples == 500 and pipeline.read == 20
+    np.testing.assert_allclose(np.diff(pipeline.stamps), 0.01, atol=1e-9)
+    assert found['hours'] == pytest.approx(5.0 / 3600.0) and len(found['rows']) == 5
+    assert '(none happened)' in to_markdown(soak_blocks(
+        {**soak.soak_scores(found), 'method': 'bayes'}))
+
+
+@pytest.mark.parametrize(('memory', 'seconds', 'flat'), [
+    (0.0, 0.0, (True, True)), (1.0, 0.0, (False, True)), (0.0, 0.01, (True, False))])
+def test_growth_and_drift_are_seen(memory, seconds, flat):
+    rows = [[0.24 * k, 300.0 + memory * k, 1e-3 * (1.0 + seconds * k)] for k in range(100)]
+    found = soak.soak_scores({'rows': rows, 'hours': 24.0, 'seconds': 3600.0})
+    assert (found['flat_memory'], found['flat_time']) == flat
+    assert found['times_real_time'] == pytest.approx(24.0)

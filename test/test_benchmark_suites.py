@@ -1,0 +1,207 @@
+"""Suites draw what they say, jobs resume and survive a broken one, arms come from URDFs."""
+
+import json
+import math
+
+from core_helpers import four_axes
+import numpy as np
+import pytest
+
+from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import arms, execute, run
+from hand_load_estimator.benchmark.suites import cases_of, SUITES
+from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.plant.hidden import EFFECTS
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
+
+PLANT = seeds.DEVELOPMENT_PLANTS[95]
+CASES = seeds.DEVELOPMENT_CASES[900:940]
+
+
+def drawn(suite, robot):
+    return [SUITES[suite].draw(robot, PLANT, seed) for seed in CASES]
+
+
+def test_the_base_suite_is_what_it_was():
+    """200 cases, 25 plants, 8 each in the order of their seeds: results stay comparable."""
+    found = cases_of(SUITES['base'])
+    assert [plant for plant, _ in found] == list(seeds.BENCHMARK_PLANTS[:25])
+    assert [part for _, part in found] == [
+        list(seeds.BENCHMARK_CASES[8 * k:8 * k + 8]) for k in range(25)]
+
+
+@pytest.mark.parametrize(('count', 'plants'), [(None, 10), (4, 1), (30, 8), (2000, 50)])
+def test_cases_are_spread_over_plants(count, plants):
+    found = cases_of(SUITES['cold'], count)
+    every = [seed for _, part in found for seed in part]
+    assert len(every) == len(set(every)) == (count or 40)
+    assert len(found) <= plants and len({plant for plant, _ in found}) == len(found)
+    assert all(part for _, part in found)
+    assert len(found) >= 40 or (count or 40) < 2000
+
+
+def test_development_never_touches_the_benchmarks_seeds():
+    for name, suite in SUITES.items():
+        for plant, part in cases_of(suite, 20, development=True):
+            assert plant in seeds.DEVELOPMENT_PLANTS, name
+            assert all(seed in seeds.DEVELOPMENT_CASES for seed in part), name
+
+
+def test_cold_and_warm_slow_and_fast_are_the_same_cases_but_for_that():
+    robot = four_axes()
+    for first, second, what, low, high in (('cold', 'warm', 'temperature', 20.0, 40.0),
+                                           ('slow', 'fast', 'speed', 0.45, 0.85)):
+        pairs = list(zip(drawn(first, robot), drawn(second, robot)))
+        for a, b in pairs:
+            np.testing.assert_array_equal(a.load.to_message(), b.load.to_message())
+            assert getattr(a, what) <= low and high <= getattr(b, what)
+        assert len({getattr(a, what) for a, _ in pairs}) == len(CASES)
+
+
+def test_loads_of_the_inertia_suite_are_heavy_and_wide():
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    for case in drawn('inertia', robot):
+        assert 6.0 <= case.load.mass <= 10.0 and case.load.is_physical()
+        # An ellipsoid's half axis a^2 = 5 (second moment along it) / mass.
+        i = case.load.inertia
+        second = np.linalg.eigvalsh(0.5 * np.trace(i) * np.eye(3) - i)
+        across = 2.0 * np.sqrt(5.0 * second / case.load.mass)
+        assert (across >= 0.3 - 1e-9).all() and (across <= 0.4 + 1e-9).all()
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_wrists_swing_inside_all_limits(seed):
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    motion = wrist_swing(robot, 6.0, np.random.default_rng(seed))
+    q, v, a = motion.sample(np.linspace(0.0, 6.0, 1201))
+    assert (np.abs(a).max(axis=0)[-3:] >= LEAST_ACCELERATION).all()
+    assert (np.abs(a) <= robot.limits.acceleration).all()
+    assert (np.abs(v) <= robot.limits.velocity).all()
+    assert ((q >= robot.limits.lower) & (q <= robot.limits.upper)).all()
+    torque = np.array([robot.rigid_torque(*row, robot.rated_load) for row in zip(q, v, a)])
+    assert (np.abs(torque) <= 0.85 * robot.limits.torque).all()
+    np.testing.assert_allclose(v[[0, -1]], 0.0, atol=1e-12)
+
+
+def test_wrists_that_cannot_swing_are_refused():
+    content = {**four_axes().file.content}
+    content['max_acceleration'] = [2.0] * 4
+    from hand_load_estimator.robot import robot_from_content
+    with pytest.raises(ConfigurationError, match='swings the rated load'):
+        wrist_swing(robot_from_content(content, 'slow'), 3.0, np.random.default_rng(0))
+
+
+def test_undeclared_effects_take_turns_at_strength_two():
+    """One round over all effects; those that a small arm cannot have leave the case clean."""
+    robot = four_axes()
+    names = list(EFFECTS)
+    seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
+    case = SUITES['undeclared'].draw(robot, PLANT, seed)
+    (entry,) = case.hidden
+    assert entry['name'] == 'torque_offset' and entry['strength'] == 2.0
+    assert len(entry['joints']) == 1
+    assert {names[s % len(names)] for s in CASES} == set(EFFECTS)
+
+
+# Running jobs.
+
+def test_jobs_are_stored_and_read_again(tmp_path):
+    jobs = {f'n{k}': (k,) for k in (1, 4)}
+    first = execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)
+    assert first == {'n1': 1.0, 'n4': 2.0}
+    (tmp_path / 'n1.json').write_text('"kept"')
+    assert execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)['n1'] == 'kept'
+
+
+def test_a_broken_job_is_told_and_left_out(tmp_path):
+    told = []
+    found = execute.measure_all(math.sqrt, {f'n{k}': (k,) for k in (4, -1)}, tmp_path, 1,
+                                write=told.append)
+    assert found == {'n4': 2.0}
+    assert any('n-1 failed: ValueError' in line for line in told)
+    assert [path.name for path in tmp_path.iterdir()] == ['n4.json']
+    with pytest.raises(ValueError):
+        execute.measure_all(math.sqrt, {'n-1': (-1,)}, tmp_path, workers=0)
+
+
+def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
+    import sys
+    monkeypatch.setitem(sys.modules, 'joblib', None)
+    with pytest.raises(ConfigurationError, match='--backend.*joblib'):
+        execute.measure_all(math.sqrt, {'n1': (1,)}, tmp_path, 1, 'dask', lambda text: None)
+
+
+# Arms.
+
+def test_an_arms_file_is_the_draft_filled_in(tmp_path, monkeypatch):
+    urdf = tmp_path / 'small.urdf'
+    urdf.write_text(four_axes().file.urdf)
+    own = four_axes()
+    monkeypatch.setitem(arms.ARMS, 'small', arms.ExtraArm(
+        str(urdf), own.load_frame, 'link_torque', 2.0, 0.1, (5.0,) * 4, 'made up'))
+    robot = load_robot(arms.write_arm('small', urdf, tmp_path / 'robots'))
+    assert robot.joints == own.joints and robot.effort.kind == 'link_torque'
+    assert robot.rated_load.mass == 2.0 and robot.limits.acceleration.tolist() == [5.0] * 4
+    assert 'sensors behind the gears' in arms.friction_told(robot)
+    assert 'Coulomb' in arms.friction_told(own)
+
+
+@pytest.mark.parametrize('name', arms.ARMS)
+def test_the_extra_arms_can_be_simulated(name, tmp_path):
+    from hand_load_estimator.benchmark.cases import simulated
+    from hand_load_estimator.simulate_motions import named_motion
+    try:
+        urdf = arms.urdf_of(arms.ARMS[name])
+    except ConfigurationError:
+        pytest.skip(f'{arms.PACKAGE} is not installed')
+    robot = load_robot(arms.write_arm(name, urdf, tmp_path))
+    assert robot.n == {'ur5': 6}.get(name, 7)
+    motion = named_motion('pick_place', robot, 4.0, 1.0, 3)
+    samples = simulated(robot, motion, seed=PLANT, load=robot.rated_load)
+    assert len(samples) > 50
+    assert max(np.abs(s.v).max() for s in samples) > 0.1
+    effort = np.array([s.effort for s in samples])
+    assert np.isfinite(effort).all() and (np.abs(effort) <= robot.limits.torque).all()
+
+
+def test_arms_need_their_package(monkeypatch):
+    monkeypatch.setattr(arms, 'PACKAGE', 'no-such-package')
+    with pytest.raises(ConfigurationError, match='arms needs the package'):
+        arms.urdf_of(arms.ARMS['ur5'])
+
+
+# Several suites.
+
+def test_names_of_suites():
+    assert run.suite_names('arms') == ('arms-ur5', 'arms-panda', 'arms-xarm7')
+    assert run.suite_names('cold,warm,cold') == ('cold', 'warm')
+    assert set(run.suite_names('all')) >= {'base', 'inertia', 'undeclared', 'changes', 'real',
+                                           'cost', 'soak', 'arms-panda'}
+    assert 'development' not in run.suite_names('all')
+    with pytest.raises(ConfigurationError, match='--suite'):
+        run.suite_names('base,magic')
+
+
+@pytest.mark.parametrize(('options', 'match'), [
+    (run.Options(methods=('magic',)), '--methods.*bayes'),
+    (run.Options(rivals=('magic',)), '--rivals.*figaroh')])
+def test_wrong_choices_are_refused_at_once(options, match, tmp_path):
+    with pytest.raises(ConfigurationError, match=match):
+        run.run_suites('base', options, tmp_path, '')
+    assert not list(tmp_path.iterdir())
+
+
+def test_several_suites_share_one_table_of_goals(tmp_path, monkeypatch):
+    def measure(name, options, folder, command, write):
+        if name == 'real':
+            raise ConfigurationError('--data', 'is not there')
+        return {'suite': name}, ''
+
+    monkeypatch.setattr(run, '_measure', measure)
+    page = run.run_suites('slow,real', run.Options(), tmp_path, 'the command', lambda text: None)
+    assert '| goal (issue 4) |' in page and '[slow](slow/README.md)' in page
+    assert 'Not measured: real' in page
+    content = json.loads((tmp_path / 'scores.json').read_text())
+    assert content['suites'] == ['slow'] and len(content['goals']) == 21
