@@ -15,9 +15,9 @@ from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
 from .presliding import stuck_density
-from .torque_model import (ColumnLayout, EffectUse, Residuals, TorqueModel, effect_slices,
-                           motion_input, parameter_count, presliding_distances, real_torque,
-                           torque_columns)
+from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
+                             parameter_count, presliding_distances, real_torque, torque_columns)
+from .torque_model import Residuals, TorqueModel
 
 # How far a link's published mass, and its first and second moments, may be off.
 LINK_DOUBT = 0.1

@@ -16,7 +16,8 @@ from .configuration import Section, read_yaml
 from .effects import EFFECTS
 from .load import PRODUCT_ORDER
 from .robot import robot_from_content
-from .torque_model import EffectUse, Residuals, TorqueModel
+from .torque_columns import EffectUse
+from .torque_model import Residuals, TorqueModel
 
 SCHEMA = 'hand_load/torque_model/1'
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6

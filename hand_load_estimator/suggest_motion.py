@@ -18,9 +18,9 @@ from .errors import HandLoadError
 from .estimators.information import Information
 from .excitation_limits import Clearance
 from .load import MESSAGE_ORDER, products_jacobian_of_message
+from .model_follower import ModelFollower
 from .motion import BLOCK, MotionSample
 from .presliding import PreslidingState, stuck_density
-from .torque_model import ModelFollower
 from .trajectory import Trajectory
 
 AMPLITUDES = (0.1, 0.2, 0.4, 0.8, 1.5)   # [rad]

@@ -9,7 +9,7 @@ import pinocchio as pin
 from hand_load_estimator.control.load_belief import belief_of_estimate
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.torque_model import ColumnLayout
+from hand_load_estimator.torque_columns import ColumnLayout
 from hand_load_estimator.trajectory import Trajectory
 
 HOME = np.array([0.0, -1.8, 2.5, -2.27, -1.57, 0.0])

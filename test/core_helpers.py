@@ -15,12 +15,13 @@ from hand_load_estimator.estimators.bayes import Bayes
 from hand_load_estimator.estimators.build import determined_std
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.presliding import presliding_path
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
 from hand_load_estimator.robot import robot_from_content
-from hand_load_estimator.torque_model import (EffectUse, ModelFollower, Residuals, TorqueModel,
-                                              effect_slices, parameter_count, torque_columns,
-                                              warmth_of)
+from hand_load_estimator.torque_columns import (EffectUse, effect_slices, parameter_count,
+                                                torque_columns, warmth_of)
+from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 EFFECTS = ('rotor_inertia', 'coulomb_friction', 'viscous_friction', 'presliding_hysteresis',
            'temperature_dependent_viscous_friction', 'torque_offset')

@@ -22,8 +22,8 @@ from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.identification import nominal_model
 from hand_load_estimator.load import (LoadParameters, message_from_products, MESSAGE_ORDER,
                                       products_from_shape, products_jacobian_of_shape)
+from hand_load_estimator.model_follower import Prediction
 from hand_load_estimator.motion import MotionSample
-from hand_load_estimator.torque_model import Prediction
 
 METHODS = ('lstm', 'bayes', 'least squares')
 

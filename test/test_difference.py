@@ -20,7 +20,7 @@ from hand_load_estimator.learning.difference_inputs import (INPUTS, difference_i
                                                             parse_inputs)
 from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.model_file import model_digest, read_model, write_model
-from hand_load_estimator.torque_model import ModelFollower, Prediction
+from hand_load_estimator.model_follower import ModelFollower, Prediction
 
 
 @pytest.fixture(scope='module')

@@ -19,8 +19,8 @@ from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.load import products_from_shape
 from hand_load_estimator.load_file import write_load_file
 from hand_load_estimator.model_file import write_model
+from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.recording import RecordingWriter
-from hand_load_estimator.torque_model import ModelFollower
 
 LOAD = block(2.0)
 

@@ -14,8 +14,8 @@ from hand_load_estimator.load_file import write_load_file
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import JointSample, Recording, RecordingWriter
-from hand_load_estimator.torque_model import (ColumnLayout, effect_slices, EffectUse,
-                                              motion_input, torque_columns)
+from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, EffectUse,
+                                                motion_input, torque_columns)
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',

@@ -22,7 +22,7 @@ from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers
 from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.torque_model import ModelFollower
+from hand_load_estimator.model_follower import ModelFollower
 
 HIDDEN = 12
 NEUTRAL = np.ones((10, len(LEVELS)))

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
+from hand_load_estimator.effects import EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.load import PRODUCT_ORDER
 from hand_load_estimator.model_file import model_content, read_model, write_model
-from hand_load_estimator.torque_model import (EffectUse, Residuals, TorqueModel, parameter_count,
-                                              torque_columns, uncertain_directions)
-from hand_load_estimator.effects import EFFECTS, EffectInput
+from hand_load_estimator.torque_columns import EffectUse, parameter_count, torque_columns
+from hand_load_estimator.torque_model import Residuals, TorqueModel, uncertain_directions
 
 
 @pytest.fixture(scope='module')

@@ -22,7 +22,7 @@ from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_r
                                                  warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
 from hand_load_estimator.residual.unknown import rhythm
-from hand_load_estimator.torque_model import effect_slices
+from hand_load_estimator.torque_columns import effect_slices
 
 
 # Ripple.

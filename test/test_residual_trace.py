@@ -14,9 +14,9 @@ from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import Hypothesis
 from hand_load_estimator.residual.trace import Candidate, significant, Trace
-from hand_load_estimator.torque_model import (ColumnLayout, motion_input, presliding_distances,
-                                              play_columns, Residuals, torque_columns,
-                                              TorqueModel)
+from hand_load_estimator.torque_columns import (ColumnLayout, motion_input, presliding_distances,
+                                                play_columns, torque_columns)
+from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 DT = 0.02
 RUNS, SECONDS = 4, 16.0

@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from ..errors import ConfigurationError
 from ..estimators.build import build_method, METHODS, ON_DIFFERENCE
-from ..torque_model import ModelFollower
+from ..model_follower import ModelFollower
 from .rivals import FixedLoad, LeastSquares
 
 # The registry's first is what a user gets who names none.

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..estimators.bayes import Bayes
+from ..model_follower import ModelFollower
 from ..motion import MotionSample
-from ..torque_model import ModelFollower
 from .cases import motion_start
 from .contestants import Contestant
 

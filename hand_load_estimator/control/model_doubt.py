@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..effects import EffectInput
-from ..torque_model import (drift_std, nuisance_columns, torque_columns, uncertain_directions,
-                            warmth_of)
+from ..torque_columns import torque_columns, warmth_of
+from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 
 _DIRECTIONS = 12  # of the parameters; as many as the estimators follow
 

@@ -8,10 +8,10 @@ from ..errors import ConfigurationError
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, read_artefact
 from ..model_file import model_digest, read_model
+from ..model_follower import ModelFollower
 from ..robot import load_robot
 from ..shared_files import find_shared, share_folder
 from ..tool import read_tool, ToolFollower
-from ..torque_model import ModelFollower
 from .bayes import Bayes
 from .difference_function import DifferenceFunction
 from .gp_bayes import GpBayes

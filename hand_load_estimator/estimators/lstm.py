@@ -13,7 +13,7 @@ from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
 from ..load import message_from_shape
-from ..torque_model import warmth_of
+from ..torque_columns import warmth_of
 from .contact_gate import ContactGate
 from .information import message_covariance
 from .load_prior import load_prior

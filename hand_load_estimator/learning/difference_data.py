@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..identification import System, density
-from ..torque_model import warmth_of
+from ..torque_columns import warmth_of
 from .difference_inputs import difference_inputs
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from ..effects import EffectInput
 from ..motion import BANDWIDTH, filter_step
 from ..presliding import presliding_path, stuck_density
-from ..torque_model import (drift_std, effect_columns, nuisance_columns, torque_columns,
-                            uncertain_directions)
+from ..torque_columns import effect_columns, torque_columns
+from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
 from .random_motions import random_motion
 from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_state,

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
-from ..torque_model import ColumnLayout, Residuals, TorqueModel, effect_slices
+from ..torque_columns import ColumnLayout, effect_slices
+from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN
 from .hypotheses import EFFECT_FACTOR, with_effect

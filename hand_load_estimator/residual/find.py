@@ -7,8 +7,9 @@ import numpy as np
 from ..effects import EFFECTS, EffectInput
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
-from ..torque_model import (EffectUse, lateness, motion_input, nuisance_columns, play_columns,
-                            tilt_columns, torque_columns, uncertain_directions)
+from ..torque_columns import (EffectUse, lateness, motion_input, play_columns, tilt_columns,
+                              torque_columns)
+from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 
 # Blocks [s] outlast what colours the residual, and recordings give a good number of them.

@@ -7,7 +7,7 @@ import numpy as np
 from ..estimators.bayes import Bayes
 from ..estimators.lstm import Lstm
 from ..joint_stream import JointStream, motion_samples
-from ..torque_model import ModelFollower
+from ..model_follower import ModelFollower
 from .diagnosis import LoadError
 
 

@@ -1,0 +1,154 @@
+"""Evaluate a torque model along a stream of samples, as the estimator needs it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .effects import EffectInput
+from .late_load import LateLoad
+from .load import products_from_message
+from .play import PlayState
+from .presliding import STUCK_TIME, PreslidingState, stuck_variance
+from .torque_columns import real_torque, torque_columns, warmth_of
+from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
+from .torque_noise import SampleNoise
+
+# Torques kept for effects that look back [s]: the longest delay and a sample more.
+_REMEMBERED = 0.15
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """
+    The torque model at one MotionSample.
+
+    difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
+    the model's own unit-variance uncertainties do to the torque; z, doubt (n,): friction state
+    and how far its start is unknown; stuck (n,) [Nm^2]: variance of that; density (n,) [Nm^2 s]
+    of the difference beside the load.
+    """
+
+    difference: np.ndarray
+    load_columns: np.ndarray
+    model_columns: np.ndarray
+    z: np.ndarray
+    doubt: np.ndarray
+    stuck: np.ndarray
+    density: np.ndarray
+
+
+class ModelFollower:
+    """Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path."""
+
+    def __init__(self, model, directions=12, seed=0):
+        self.model = model
+        self._path = PreslidingState(model.presliding_distance())
+        self._friction = model.friction_level()
+        self._uncertain = uncertain_directions(model, directions, seed)
+        self._noise = SampleNoise(model.residuals.rmse)
+        self._known = self._drift = None
+        self._carried = np.zeros(10)
+        self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
+                                    for use, where in model.slices() if use.name == 'time_delay'})
+        self._forget_torques()
+
+    @property
+    def uncertainties(self):
+        """Number r of model columns."""
+        return self._uncertain.shape[1] + DRIFTS * self.model.robot.n
+
+    def restart(self):
+        """Forget the path, as after a gap in the data."""
+        self._path.restart()
+        self._noise.restart()
+        self._forget_torques()
+
+    def _forget_torques(self):
+        self._before = None
+        self._late_load.restart()
+        self._teeth = [PlayState() for _ in self.model.robot.joints]
+
+    def carry(self, belief, method, beside=0.0):
+        """
+        Take a Method's Belief of the load: its torque too decides which way gears are loaded.
+
+        beside: products (10,) of what is held and not in the belief.
+        """
+        if self.model.layout.needs & {'gear', 'play'}:
+            self._carried = products_from_message(belief.mean) + method.tared + beside
+
+    def _believed(self, x):
+        """Return the torque (n,) [Nm] of what is believed to be held."""
+        if not self._carried.any():
+            return 0.0
+        return self.model.load_regressor(x.q[0], x.v[0], x.a[0]) @ self._carried
+
+    def _columns(self, x, dt, believed):
+        model = self.model
+        if not model.layout.needs:
+            return torque_columns(model.robot, model.layout, x)
+        columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
+                                 before=self._before, teeth=(self._teeth, believed))
+        self._remember(model.layout.plain_torque(columns, model.mean), dt)
+        return columns
+
+    def _remember(self, torque, dt):
+        """Keep the last torques, as far back as a delay may reach."""
+        past, gaps = self._before or (torque[:0], np.zeros(0))
+        past, gaps = np.concatenate([past, torque]), np.append(gaps, dt)
+        keep = np.cumsum(gaps[::-1])[::-1] < _REMEMBERED + dt
+        self._before = past[keep], gaps[keep]
+
+    def update(self, sample):
+        """Return the Prediction at a MotionSample."""
+        robot = self.model.robot
+        z, doubt = self._path.update(sample.q, sample.v, sample.dt)
+        x = EffectInput(*(s[None] for s in (
+            sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
+        believed = self._believed(x)
+        columns = self._columns(x, sample.dt, believed)
+        difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
+        known = np.isfinite(sample.temperature)
+        if self._known is None or (known != self._known).any():
+            self._known, self._drift = known, drift_std(self.model, known)
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
+        stuck = stuck_variance(z, doubt, sample.v, self._friction)
+        # Identification measured the residual's density; sampled more rarely it has more.
+        noise = self._noise.update(difference, sample.dt, sample.messages)
+        density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
+        load = robot.load_columns(columns[0, :, :10 * robot.n])
+        if self.model.layout.needs:
+            load, turned = load_through_effects(self.model, columns[0], load, sample, z, believed)
+            load = load + self._late_load.change(load, sample.dt)
+            difference = difference - turned
+        return Prediction(difference, load,
+                          nuisances, z, doubt, stuck, density)
+
+
+def load_through_effects(model, columns, load, sample, z, believed):
+    """
+    Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
+
+    columns Y (n, P), load K (n, 10) and friction state z (n,) at a MotionSample; believed (n,)
+    [Nm]: torque of the load that is thought to be held. A wrong gain scales the load's torque too,
+    friction grows with it, a leaning base turns its weight. LateLoad adds what a delay does. The
+    torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
+    torque round: there |gear + load| is not |gear| and something.
+    """
+    robot, gain = model.robot, np.ones(model.robot.n)
+    gear = columns[:, :10 * robot.n] @ model.mean[:10 * robot.n]
+    direction = np.sign(gear + believed)
+    leaning, turned = np.zeros_like(load), np.zeros(robot.n)
+    warmth = warmth_of(robot, sample.temperature)
+    for use, where in model.slices():
+        j, value = use.joint, model.mean[where]
+        if use.name == 'torque_scale':
+            gain[j] += value[0]
+        elif use.name == 'torque_scale_temperature':
+            gain[j] += value[0] * warmth[j]
+        elif use.name == 'load_dependent_friction':
+            gain[j] += value[0] * direction[j] * z[j]
+            turned[j] += value[0] * (direction[j] * gear[j] - np.abs(gear[j])) * z[j]
+        elif use.name == 'base_tilt':
+            leaning = np.einsum('a,ajk->jk', value, robot.tilted_load_columns(sample.q))
+    return gain[:, None] * load + leaning, turned

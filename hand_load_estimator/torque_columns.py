@@ -1,0 +1,213 @@
+"""
+The columns Y of the torque model: what every parameter of links and effects does to the torque.
+
+tau_mdl = Y(theta, theta', theta'') x. The same columns serve identification (eq. 11), prediction
+(E1.1) and the model's own uncertainty at run time.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from .effects import EFFECTS, EffectInput
+from .play import play_along
+from .presliding import presliding_path
+
+# Used for joints whose model declares no presliding: friction turns within encoder resolution.
+NO_PRESLIDING = 1e-4
+
+
+@dataclass(frozen=True)
+class EffectUse:
+    """
+    One declared effect on one joint: its name, joint index and shape values.
+
+    An effect of the whole arm stands at joint 0.
+    """
+
+    name: str
+    joint: int
+    shape: dict = field(default_factory=dict)
+
+    @property
+    def effect(self):
+        """The Effect of that name."""
+        return EFFECTS[self.name]
+
+
+def warmth_of(robot, temperature):
+    """Return temperature less reference [K], 0 where it is NaN."""
+    return np.nan_to_num(temperature - robot.reference_temperature)
+
+
+def effect_slices(n, uses):
+    """Return (EffectUse, slice of x) pairs for the layout of `uses` behind n links."""
+    start, pairs = 10 * n, []
+    for use in uses:
+        stop = start + len(use.effect.parameters)
+        pairs.append((use, slice(start, stop)))
+        start = stop
+    return pairs
+
+
+def parameter_count(n, uses):
+    """Return P, the length of x."""
+    return 10 * n + sum(len(use.effect.parameters) for use in uses)
+
+
+def presliding_distances(n, uses):
+    """Return the presliding travel (n,) [rad] of the joints."""
+    distance = np.full(n, NO_PRESLIDING)
+    for use in uses:
+        if use.name == 'presliding_hysteresis':
+            distance[use.joint] = use.shape['presliding_distance']
+    return distance
+
+
+def effect_columns(x, use):
+    """Return the columns (N, k) of one effect on its joint."""
+    return use.effect.columns(x, use.joint, use.shape)
+
+
+class ColumnLayout:
+    """
+    Where the columns of declared effects stand in Y, joints of one effect taken together.
+
+    size: P, the length of x. needs: what the columns read beside motion and friction state.
+    """
+
+    def __init__(self, n, uses):
+        self.size, self.links = parameter_count(n, uses), 10 * n
+        pairs = effect_slices(n, uses)
+        self._plain, self._torque_bound = [], []
+        for name in dict.fromkeys(use.name for use in uses):
+            effect = EFFECTS[name]
+            own = [(use, where) for use, where in pairs if use.name == name]
+            joints = np.array([use.joint for use, _ in own])
+            shape = {s: np.array([use.shape[s] for use, _ in own]) for s in own[0][0].shape}
+            places = np.array([range(where.start, where.stop) for _, where in own])
+            if effect.whole_arm:
+                joints = np.arange(n)
+            group = effect, joints, shape, places
+            (self._torque_bound if effect.needs & _TORQUES else self._plain).append(group)
+        self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
+
+    def fill(self, columns, x):
+        """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
+        _fill(self._plain, columns, x)
+
+    def fill_torque_bound(self, columns, x):
+        """Write the effects that depend on torques into columns (N, n, P)."""
+        _fill(self._torque_bound, columns, x)
+
+    def plain_torque(self, columns, mean):
+        """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
+        bound = np.zeros(self.size, dtype=bool)
+        for *_, places in self._torque_bound:
+            bound[places.ravel()] = True
+        return columns @ np.where(bound, 0.0, mean)
+
+
+# Inputs of effects that follow from the other columns.
+_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late', 'play'})
+
+
+def _fill(groups, columns, x):
+    for effect, joints, shape, places in groups:
+        columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
+
+
+def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
+                   teeth=(None, 0.0)):
+    """
+    Return Y (N, n, P) for a ColumnLayout and an EffectInput.
+
+    Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
+    between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
+    load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
+    what `plain_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
+    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
+    """
+    count, n = x.q.shape
+    columns = np.zeros((count, n, layout.size))
+    for k in range(count):
+        columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
+    layout.fill(columns, x)
+    if layout.needs:
+        held = 0.0 if held is None else held
+        plain = columns @ mean + held
+        gear = columns[:, :, :layout.links] @ mean[:layout.links] + held
+        layout.fill_torque_bound(columns, replace(
+            x, gear=gear, drive=plain, rate=_rate(plain, dt, before),
+            late=lateness(plain, dt, before),
+            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
+            tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
+    return columns
+
+
+def _rate(torque, dt, before):
+    """Return the backward difference (N, n) [Nm/s], as a causal estimator has it."""
+    if dt is None:
+        return np.zeros_like(torque)
+    first = torque[:1] if before is None else before[0][-1:]
+    return np.diff(torque, axis=0, prepend=first) / dt[:, None]
+
+
+def lateness(torque, dt, before=None):
+    """
+    Return late(delays): torque (N, n) [Nm] some seconds ago less the torque now.
+
+    torque (N, n) at samples dt (N,) [s] apart; before: (torque (M, n), dt (M,)) ahead of them.
+    """
+    if dt is None:
+        return lambda delays: np.zeros_like(torque)
+    past, gaps = (torque[:0], np.zeros(0)) if before is None else before
+    series = np.concatenate([past, torque])
+    gaps = np.concatenate([gaps, dt])
+    time = np.cumsum(gaps)
+
+    def late(delays):
+        delays = np.broadcast_to(delays, series.shape[1])
+        now = time[len(past):]
+        return np.stack([np.interp(now - delay, time, column) for delay, column in
+                         zip(delays, series.T)], axis=1) - torque
+    return late
+
+
+def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
+    """
+    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at q (N, n).
+
+    The links' inertias are the robot file's. teeth: as of torque_columns.
+    """
+    if dt is None:
+        return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
+    inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
+    states, believed = teeth
+    return play_along(gear + believed, inertia, dt, states)
+
+
+def tilt_columns(robot, q, mean):
+    """Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n) for x (P,)."""
+    return np.array([robot.tilt_regressor(row, mean[:10 * robot.n]) for row in q])
+
+
+def motion_input(robot, motion, distance):
+    """Return (EffectInput, doubt (N, n)) along a Motion."""
+    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance)
+    return EffectInput(motion.q, motion.v, motion.a, warmth_of(robot, motion.temperature), z), doubt
+
+
+def real_torque(robot, q, effort):
+    """
+    Return tau_real (n,) [Nm] of efforts (n,) as reported (E1.2).
+
+    Current times torque constant; the configured load the controller has already taken off is
+    put back, as its gravity torque.
+    """
+    tau = effort * robot.effort.torque_constants
+    configured = robot.effort.configured_load
+    if configured is not None:
+        zero = np.zeros(robot.n)
+        tau = tau + robot.load_regressor(q, zero, zero) @ configured.to_products()
+    return tau
