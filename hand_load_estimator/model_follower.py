@@ -44,6 +44,10 @@ class ModelFollower:
         self.model = model
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
+        self._gear_friction = np.zeros(model.robot.n)
+        for use, where in model.slices():
+            if use.name == 'load_dependent_friction':
+                self._gear_friction[use.joint] = abs(model.mean[where.start])
         self._uncertain = uncertain_directions(model, directions, seed)
         self._noise = SampleNoise(model.residuals.rmse)
         self._known = self._drift = None
@@ -112,7 +116,10 @@ class ModelFollower:
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
         nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
-        stuck = stuck_variance(z, doubt, sample.v, self._friction)
+        # What friction may be off by at a reversal grows with it.
+        level = self._friction + self._gear_friction * np.abs(
+            columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
+        stuck = stuck_variance(z, doubt, sample.v, level)
         # Identification measured the residual's density; sampled more rarely it has more.
         noise = self._noise.update(difference, sample.dt, sample.messages)
         density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
