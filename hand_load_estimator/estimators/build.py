@@ -4,16 +4,14 @@ import json
 from pathlib import Path
 
 from ..errors import ConfigurationError
-from ..learning.artefact import CARD, read_artefact
+from ..learning.artefact import CARD, NETWORK, network_of
 from ..model_file import read_model
 from ..robot import load_robot
 from ..shared_files import find_shared, share_folder
 from ..torque_model import ModelFollower
-from .bayes import Bayes
-from .lstm import Lstm
 from .pipeline import Pipeline
+from .registry import DEFAULT, METHODS, WITHOUT_ARTEFACT
 
-METHODS = ('lstm', 'bayes')
 # A parameter counts as determined below these standard deviations, as fractions of the rated
 # mass, in metres, and as a fraction of the rated load's largest moment of inertia.
 DETERMINED = (0.01, 0.01, 0.1)
@@ -26,8 +24,8 @@ def determined_std(robot):
     return DETERMINED[0] * rated.mass, DETERMINED[1], DETERMINED[2] * moment
 
 
-def shipped_artefact(robot):
-    """Return the folder of the artefact shipped for a robot's joints and effort kind, or None."""
+def shipped_artefact(robot, network=NETWORK):
+    """Return the folder of the network shipped for a robot's joints and effort kind, or None."""
     for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{CARD}')):
         try:
             content = json.loads(card.read_text(encoding='utf-8'))
@@ -35,7 +33,8 @@ def shipped_artefact(robot):
             raise ConfigurationError(card, f'is not JSON ({error})',
                                      todo='install the package again') from None
         if content.get('joints') == list(robot.joints) \
-                and content.get('effort_kind') == robot.effort.kind:
+                and content.get('effort_kind') == robot.effort.kind \
+                and network_of(content) == network:
             return card.parent
     return None
 
@@ -44,18 +43,21 @@ def build_method(model, uncertainties, name, learned=None):
     """
     Return the Method of a name for a TorqueModel.
 
-    learned: artefact folder, or None for the shipped one; without any, `lstm` becomes `bayes`
-    and the method's name says so.
+    learned: artefact folder, or None for the shipped one; without any, a learned method becomes
+    `bayes` and the method's name says so.
     """
     if name not in METHODS:
         raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
-    if name == 'lstm':
-        folder = Path(learned) if learned else shipped_artefact(model.robot)
-        if folder is not None:
-            return Lstm(model, uncertainties, read_artefact(folder, model.robot))
-    elif learned:
-        raise ConfigurationError('learned', 'goes with method lstm only', learned)
-    return Bayes(model, uncertainties)
+    way = METHODS[name]
+    if way.learned is None:
+        if learned:
+            raise ConfigurationError('learned', 'goes with methods that learn only', learned,
+                                     ', '.join(k for k, w in METHODS.items() if w.learned))
+        return way.build(model, uncertainties, None)
+    folder = Path(learned) if learned else shipped_artefact(model.robot, way.learned)
+    if folder is None:
+        return METHODS[WITHOUT_ARTEFACT].build(model, uncertainties, None)
+    return way.build(model, uncertainties, folder)
 
 
 def _check_robot(model, path, robot):
@@ -67,7 +69,7 @@ def _check_robot(model, path, robot):
             f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
 
 
-def build_pipeline(model_path, method='lstm', learned=None, robot_path=None):
+def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
 
