@@ -212,7 +212,7 @@ def test_E1_6_net_b_learns_the_difference_that_is_not_the_loads(robot, shard):
     network = network_of(robot, design_of(robot, 'two_network'))
     label = shard['error'] / torch.tensor(robot.limits.torque, dtype=torch.float32)
     assert network.error_loss(label, label) == 0.0
-    loss = Loss(robot, DirectRecipe(network.design))(network, shard, 0)
+    loss = Loss(robot, DirectRecipe(network.design), 1)(network, shard, 0)
     loss.backward()
     assert network.error_head.bias.grad.abs().min() > 0.0
 
@@ -221,7 +221,7 @@ def test_E1_6_net_b_learns_the_difference_that_is_not_the_loads(robot, shard):
 def test_E6_1_training_lowers_the_divergence(robot, shard, name):
     torch.manual_seed(1)
     network = build_network(robot, design_of(robot, name))
-    loss = Loss(robot, DirectRecipe(network.design))
+    loss = Loss(robot, DirectRecipe(network.design), 1)
     optimiser = torch.optim.Adam(network.parameters(), lr=1e-2)
     values = []
     for _ in range(6):
@@ -237,7 +237,7 @@ def test_E6_1_training_lowers_the_divergence(robot, shard, name):
 
 def test_every_step_draws_other_loads(robot, shard):
     network = network_of(robot, design_of(robot))
-    loss = Loss(robot, DirectRecipe(network.design))
+    loss = Loss(robot, DirectRecipe(network.design), 1)
     with torch.no_grad():
         one, again, other = (loss(network, shard, step).item() for step in (1, 1, 2))
     assert one == again != other

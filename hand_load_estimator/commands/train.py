@@ -29,9 +29,9 @@ def add_arguments(parser):
                         help='parameters it answers, of m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz '
                              '(default all; not for lstm)')
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
-                        help='training sequences of 10 s (default 6400; 1280 for the others)')
+                        help='training sequences of 10 s (default 6400; 1024 for the others)')
     parser.add_argument('--passes', type=int, default=None, metavar='N',
-                        help='passes over them (default 9; 40 for the others)')
+                        help='passes over them (default 9; 60 for the others)')
 
 
 def _names(text):

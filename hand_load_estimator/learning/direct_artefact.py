@@ -7,7 +7,7 @@ import numpy as np
 import torch
 
 from ..errors import ConfigurationError
-from .artefact import CARD, check_card, read_files, write_files
+from .artefact import check_card, read_files, write_files
 from .direct_calibration import RANGES
 from .direct_design import Design
 from .direct_network import build_network

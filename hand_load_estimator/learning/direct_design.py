@@ -34,7 +34,7 @@ class Design:
     network: str
     joints: tuple
     parameters: tuple = MESSAGE_ORDER
-    hidden: int = 64
+    hidden: int = 48
     layers: int = 1
     window: int = 25
     thinned: float = 0.1

@@ -1,8 +1,10 @@
 """
 Train a direct network (E1.3 to E1.6, E6.1, E6.2) on the same draws as the default method's.
 
-Every step takes the motions and torque errors of a shard with freshly drawn loads: what the load
-does to the torque is linear in it, so one motion teaches as many loads as there are passes.
+Every step takes pieces of the motions and torque errors of a shard with freshly drawn loads: what
+a load does to the torque is linear in it, so one motion teaches many. Pieces are short at first,
+because what a pose and a torque say of a load is learnt from many poses, not from long ones; then
+they grow until the network has learnt to gather what a whole sequence says.
 """
 
 import time
@@ -21,13 +23,13 @@ from .direct_shards import make_direct_shard
 from .objective import divergence
 from .random_loads import random_load
 from .sequences import DURATION
-from .shards import DT
 from .training_loop import (SPANS, begin_work, end_work, keep_memory, make_sequences, optimise,
                             pick_device)
 
-# Share of the steps that take sequences whole; the others take PIECE [s] of them, from the start
-# or, as a change of load restarts the network in mid motion, from anywhere in the first half.
-WHOLE, PIECE = 0.3, 4.0
+# Samples of a piece, and the share of the training by which pieces are so long; about SAMPLES per
+# step whatever their length.
+PIECES = ((10, 0.4), (50, 0.65), (200, 0.85), (500, 1.0))
+SAMPLES = 4800
 
 
 @dataclass(frozen=True)
@@ -35,10 +37,10 @@ class DirectRecipe:
     """As training.Recipe, for a Design; fewer sequences, as each serves many loads."""
 
     design: Design
-    sequences: int = 1280
+    sequences: int = 1024
     calibration: int = 256
-    validation: int = 256
-    passes: int = 40
+    validation: int = 128
+    passes: int = 60
     learning_rate: float = 3e-3
     seed: int = 1
 
@@ -53,7 +55,8 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
     shards = make_sequences(model_path, work, recipe, make_direct_shard, write)
     torch.manual_seed(recipe.seed)
     network = optimise(build_network(robot, recipe.design).to(device), recipe,
-                       shards['training'], Loss(robot, recipe), work, write).cpu().eval()
+                       shards['training'], Loss(robot, recipe, len(shards['training'])), work,
+                       write).cpu().eval()
     knots, factors = calibrate_direct(network, robot, shards['calibration'])
     scores = direct_scores(network, robot, knots, factors, shards['validation'])
     write_direct_artefact(folder, network, knots, factors,
@@ -63,20 +66,24 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
 
 
 class Loss:
-    """The divergence between labels and answers (E6.1), averaged over judged times."""
+    """
+    The divergence between labels and answers (E6.1), averaged over judged times.
 
-    def __init__(self, robot, recipe):
+    shards: their number, which with the passes tells how far a training is.
+    """
+
+    def __init__(self, robot, recipe, shards):
         self._robot, self._seed = robot, recipe.seed
-        self._design = recipe.design
+        self._design, self._steps = recipe.design, recipe.passes * shards
         self._joints = [robot.joints.index(name) for name in recipe.design.joints]
         self._peak = torch.tensor(robot.limits.torque[self._joints], dtype=torch.float32)
 
     def __call__(self, network, shard, step):
         """Return the loss of a network on a shard with the loads of this step."""
         rng = np.random.default_rng([self._seed, 1, step])
-        shard = self._cut(rng, shard)
-        steps = shard['error'].shape[1]
-        load = np.array([random_load(rng, self._robot).to_message() for _ in shard['load']])
+        shard = self.pieces(rng, shard, step)
+        pieces, steps = shard['error'].shape[:2]
+        load = np.array([random_load(rng, self._robot).to_message() for _ in range(pieces)])
         x = inputs_of_shard(self._robot, self._joints, shard, load)
         load = torch.tensor(load, device=x.device, dtype=x.dtype)
         at = judged_samples(steps)
@@ -88,14 +95,24 @@ class Loss:
         return self._divergence(mean, network.scale.expand_as(std) if masks is not None else std,
                                 load)
 
-    def _cut(self, rng, shard):
-        """Return the shard, or a piece of it."""
-        if rng.random() < WHOLE:
-            return shard
-        first = int(rng.integers(shard['error'].shape[1] // 2)) if rng.random() < 0.5 else 0
-        rows = slice(first, first + round(PIECE / DT))
-        return {**shard, 'motion': shard['motion'][:, :, rows],
-                **{name: shard[name][:, rows] for name in ('warmth', 'columns', 'error')}}
+    def pieces(self, rng, shard, step):
+        """
+        Return a shard of random pieces.
+
+        Of those long enough to hold the start of a motion half begin where the sequence does; a
+        change of load restarts the network anywhere.
+        """
+        count, whole = shard['error'].shape[:2]
+        length = next(size for size, share in PIECES if step < share * self._steps)
+        length, pieces = min(length, whole), max(SAMPLES // length, 1)
+        which = torch.tensor(rng.integers(count, size=pieces))
+        first = rng.integers(whole - length + 1, size=pieces)
+        if length > PIECES[1][0]:
+            first[rng.random(pieces) < 0.5] = 0
+        rows = torch.tensor(first)[:, None] + torch.arange(length)
+        return {'motion': shard['motion'][:, which[:, None], rows],
+                **{name: shard[name][which[:, None], rows]
+                   for name in ('warmth', 'columns', 'error')}}
 
     def _divergence(self, mean, std, load):
         return divergence(mean, std ** 2, load)[..., self._design.picked].mean()
