@@ -1,4 +1,4 @@
-"""Fine-tuning starts from an artefact's weights, is calibrated anew and says where it came from."""
+"""Fine-tuning starts from an artefact's weights, is calibrated anew and says whence it came."""
 
 import hashlib
 import json
@@ -12,9 +12,10 @@ from safetensors.numpy import load_file
 from hand_load_estimator import seeds
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.learning import shards, training
+from hand_load_estimator.learning import shards, training_loop
 from hand_load_estimator.learning.artefact import CARD, WEIGHTS, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count
+from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.training import FINE_TUNING, Recipe, train
 from hand_load_estimator.model_file import write_model
@@ -33,8 +34,7 @@ def small_batches():
     """Make shards of two sequences."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shards, 'BATCH', 2)
-        patch.setattr(training, 'BATCH', 2)
-        patch.setattr(training, 'CHECKPOINT_EVERY', 2)
+        patch.setattr(training_loop, 'CHECKPOINT_EVERY', 2)
         patch.setattr(os, 'cpu_count', lambda: 1)
         yield
 
@@ -49,7 +49,7 @@ def folder(tmp_path_factory):
     rng = np.random.default_rng(1)
     weights = {name: 0.1 * rng.normal(size=value.shape)
                for name, value in network.state_dict().items()}
-    write_artefact(out / 'first', weights, np.full(10, 7.0), {
+    write_artefact(out / 'first', weights, np.full((10, len(LEVELS)), 7.0), {
         'name': 'the first', 'joints': list(model.robot.joints), 'effort_kind': 'motor_torque'})
     return out
 

@@ -9,12 +9,13 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.estimators.build import METHODS, build_method, determined_std
+from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.gp_histogram import GpHistogram, LOCKED, ResidualScale
 from hand_load_estimator.estimators.histogram import Histogram
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.mass_place import MassPlacePosterior
 from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.estimators.registry import ON_DIFFERENCE
 from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.load import products_from_shape
 from hand_load_estimator.load_file import write_load_file
@@ -275,7 +276,7 @@ def test_tare_and_reset(name, folder):
     assert made.method.belief().covariance[0, 0] > 0.5
 
 
-@pytest.mark.parametrize('name', [name for name in METHODS if name.startswith('gp_')])
+@pytest.mark.parametrize('name', sorted(ON_DIFFERENCE))
 def test_without_a_learned_difference_the_command_to_run_is_told(name):
     follower = ModelFollower(exact_model('four'))
     with pytest.raises(ConfigurationError, match='hand_load learn-gp'):

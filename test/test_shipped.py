@@ -1,10 +1,16 @@
 """What is shipped for the default robot is there, fits, and is what it says."""
 
+import numpy as np
+import pytest
+
 from hand_load_estimator import seeds
-from hand_load_estimator.estimators.build import (build_pipeline, METHODS, shipped_artefact,
+from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefact,
                                                   shipped_difference)
+from hand_load_estimator.estimators.registry import ON_DIFFERENCE
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.difference_artefact import read_difference
+from hand_load_estimator.learning.direct_artefact import read_direct_artefact
+from hand_load_estimator.learning.direct_design import NETWORKS
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.robot import load_robot
@@ -40,6 +46,21 @@ def test_the_shipped_model_has_a_learned_difference_of_its_own():
     assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
     card = read_difference(folder, model).card
     assert card['function'] == 'gp' and card['recordings'] == list(model.recordings)
-    for name in METHODS:
-        if name.startswith('gp_'):
-            assert build_pipeline('ur10e', name).method.name == name
+    for name in ON_DIFFERENCE:
+        assert build_pipeline('ur10e', name).method.name == name
+
+
+@pytest.mark.parametrize('network', NETWORKS)
+def test_every_direct_network_is_shipped_small_and_calibrated(network):
+    """E1.3, E1.4, E1.6, E6.1, E6.2: selectable without training anything."""
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    folder = shipped_artefact(robot, network)
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
+    card = read_direct_artefact(folder, robot, network).card
+    assert card['recipe']['design']['parameters'] == list(MESSAGE_ORDER)
+    assert card['seeds']['training'] == seeds.TRAINING.start
+    # 128 sequences cannot tell a parameter's coverage to better than a few percent.
+    held_out = card['held_out']['coverage_of_95']
+    assert set(held_out) == set(MESSAGE_ORDER)
+    assert 0.92 <= np.mean(list(held_out.values())) <= 0.98
+    assert build_pipeline('ur10e', network, None, 'ur10e').method.name == network

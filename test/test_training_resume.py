@@ -22,7 +22,7 @@ from hand_load_estimator.model_file import write_model
 SCRIPT = '''
 import os, signal, sys, threading
 from hand_load_estimator.learning import shards, training
-shards.BATCH = training.BATCH = 8
+shards.BATCH = 8
 recipe = training.Recipe(sequences=32, calibration=8, validation=8, passes=15, hidden=8)
 kill_at, delay = sys.argv[3], float(sys.argv[4])
 def write(text):

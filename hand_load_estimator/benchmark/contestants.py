@@ -7,12 +7,11 @@ import numpy as np
 import pinocchio as pin
 
 from ..errors import ConfigurationError
-from ..estimators.build import build_method, METHODS, ON_DIFFERENCE
+from ..estimators.build import build_method
+from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
 from ..model_follower import ModelFollower
 from .rivals import FixedLoad, LeastSquares
 
-# The registry's first is what a user gets who names none.
-DEFAULT = tuple(METHODS)[0]
 # The default without what it learned: the recursive Bayesian update alone.
 WITHOUT_NETWORK = 'bayes'
 BLIND = f'{DEFAULT}, temperatures withheld'

@@ -7,7 +7,8 @@ import tempfile
 
 import numpy as np
 
-from ..estimators.build import determined_std, ON_DIFFERENCE
+from ..estimators.build import determined_std
+from ..estimators.registry import ON_DIFFERENCE
 from ..identification import identify, nominal_model
 from ..learning.learn_difference import learn_difference
 from ..plant import Plant
@@ -101,7 +102,7 @@ def measure_plant(suite, robot_path, plant, case_seeds, learned, methods, rivals
     Offline rivals take part in the plant's first case only: they are slow and do not learn.
     """
     robot, models = robot_and_models(robot_path, plant,
-                                     not ON_DIFFERENCE.keys().isdisjoint(chosen_methods(methods)))
+                                     not ON_DIFFERENCE.isdisjoint(chosen_methods(methods)))
     return [run_case(robot, SUITES[suite].draw(robot, plant, seed), models, learned, methods,
                      rivals if k == 0 else ())
             for k, seed in enumerate(case_seeds)]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..estimators.build import METHODS
+from ..estimators.registry import METHODS
 from ..load import MESSAGE_ORDER
 from .contestants import BLIND, DEFAULT, FIXED, WITHOUT_NETWORK
 from .measure import MOMENTS

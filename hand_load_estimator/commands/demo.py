@@ -11,6 +11,7 @@ import numpy as np
 from ..demo import Demo, DemoSettings, NodeProcesses, draw_load
 from ..demo_table import LiveTable
 from ..errors import ConfigurationError
+from ..estimators.registry import DEFAULT, METHODS
 from ..report.demo_figure import draw_demo
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -25,7 +26,7 @@ def add_arguments(parser):
     """Add the arguments of demo."""
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file, or the short name of a shipped one')
-    parser.add_argument('--method', default='lstm', choices=('lstm', 'bayes'),
+    parser.add_argument('--method', default=DEFAULT, choices=tuple(METHODS),
                         help='estimator (default: %(default)s)')
     parser.add_argument('--seed', type=int, default=1, metavar='N',
                         help='draws the load (default: %(default)s)')

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 import sys
 
+from ..estimators.registry import DEFAULT, METHODS
 from .recording_arguments import add_recording_arguments, topics
 
 EXAMPLE = 'hand_load estimate run --model ur10e --out estimate.json'
@@ -15,9 +16,9 @@ def add_arguments(parser):
     parser.add_argument('--model', required=True, metavar='MODEL.yaml',
                         help='torque model, or the name of a shipped one')
     parser.add_argument('--out', required=True, metavar='FILE.json', help='result to write')
-    parser.add_argument('--method', default='lstm', metavar='NAME',
-                        help='lstm, bayes, gp_histogram, gp_bayes, gp_swarm, gp_evolution, '
-                        'gp_annealing (default: lstm; bayes where the arm has no artefact)')
+    parser.add_argument('--method', default=DEFAULT, metavar='NAME',
+                        help=f'{", ".join(METHODS)} (default: %(default)s; without an artefact '
+                             'gp_... ends with a message, the others become bayes)')
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact (default: the shipped one of the robot; for gp_... '
                         'of the model)')

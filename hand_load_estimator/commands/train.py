@@ -1,8 +1,16 @@
 """`hand_load train`: make a learned artefact from a torque model, or fit one to a better model."""
 
+from dataclasses import replace
 from pathlib import Path
 
-EXAMPLE = 'hand_load train --model model.yaml --out learned/my_arm'
+from ..errors import ConfigurationError
+from ..learning.direct_design import design_for, NETWORKS
+from ..shared_files import find_shared
+
+EXAMPLE = """
+hand_load train --model model.yaml --out learned/my_arm
+hand_load train --model model.yaml --network gru --parameters m,x,y,z --out learned/my_arm_gru
+"""
 
 
 def add_arguments(parser):
@@ -13,34 +21,67 @@ def add_arguments(parser):
                         help='folder of the artefact; an unfinished training in it is resumed')
     parser.add_argument('--start-from', default=None, metavar='DIR',
                         help='fine-tune: artefact of the same arm, or the name of a shipped one, '
-                             'whose weights are the first ones')
+                             'whose weights are the first ones (lstm only)')
     parser.add_argument('--device', choices=('auto', 'cpu', 'cuda'), default='auto',
                         help='where to train (auto: cuda where there is one)')
+    parser.add_argument('--network', choices=('lstm', *NETWORKS), default='lstm',
+                        help='lstm: in front of the regression, the default method; the others '
+                             'go straight to the load: ' + '; '.join(
+                                 f'{name}: {text}' for name, text in NETWORKS.items()))
+    parser.add_argument('--joints', type=_names, default=None, metavar='A,B,...',
+                        help='joints the network reads (default all; not for lstm)')
+    parser.add_argument('--parameters', type=_names, default=None, metavar='A,B,...',
+                        help='parameters it answers, of m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz '
+                             '(default all; not for lstm)')
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
-                        help='training sequences of 10 s (default 6400; to fine-tune 1216)')
+                        help='training sequences of 10 s (default 6400, to fine-tune 1216; 1024 '
+                             'for the others)')
     parser.add_argument('--passes', type=int, default=None, metavar='N',
-                        help='passes over them (default 9; to fine-tune 3, where 0 keeps the '
-                             'weights and calibrates anew)')
+                        help='passes over them (default 9, to fine-tune 3, where 0 keeps the '
+                             'weights and calibrates anew; 60 for the others)')
+
+
+def _names(text):
+    return tuple(name.strip() for name in text.split(',') if name.strip())
 
 
 def run(args):
     """Train; progress goes to standard output."""
-    from dataclasses import replace
-
-    from ..errors import ConfigurationError
-    from ..learning.training import FINE_TUNING, Recipe, train
-    from ..shared_files import find_shared
-    start = args.start_from and find_shared(args.start_from, 'learned')
-    recipe = FINE_TUNING if start else Recipe()
-    for name, least in (('sequences', 1), ('passes', 0 if start else 1)):
+    for name, least in (('sequences', 1), ('passes', 0 if args.start_from else 1)):
         value = getattr(args, name)
         if value is not None and value < least:
             raise ConfigurationError(f'--{name}', 'is not usable', value, f'at least {least}')
-        if value is not None:
-            recipe = replace(recipe, **{name: value})
-    scores = train(args.model, args.out, recipe, args.device,
-                   write=lambda text: print(text, flush=True), start_from=start)
+    scores = _train(args)
     print(f'artefact in {Path(args.out)}')
     for name, values in scores.items():
         print(f'  {name}: ' + ', '.join(f'{k} {v}' for k, v in values.items()))
     return 0
+
+
+def _train(args):
+    chosen = {name: value for name in ('sequences', 'passes')
+              if (value := getattr(args, name)) is not None}
+
+    def write(text):
+        print(text, flush=True)
+
+    if args.network == 'lstm':
+        from ..learning.training import FINE_TUNING, Recipe, train
+        _refuse(args, ('joints', 'parameters'), ', '.join(NETWORKS))
+        start = args.start_from and find_shared(args.start_from, 'learned')
+        recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
+        return train(args.model, args.out, recipe, args.device, write, start)
+    from ..learning.direct_training import DirectRecipe, train_direct
+    from ..model_file import read_model
+    _refuse(args, ('start_from',), 'lstm')
+    design = design_for(read_model(args.model).robot, args.network, args.joints, args.parameters)
+    return train_direct(args.model, args.out, DirectRecipe(design, **chosen), args.device, write)
+
+
+def _refuse(args, names, allowed):
+    """Refuse options that do not go with the network that is asked for."""
+    for name in names:
+        if getattr(args, name) is not None:
+            raise ConfigurationError(f'--{name.replace("_", "-")}',
+                                     f'does not go with --network {args.network}',
+                                     allowed=allowed)

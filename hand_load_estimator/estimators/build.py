@@ -6,19 +6,14 @@ from pathlib import Path
 
 from ..errors import ConfigurationError
 from ..learning import difference_artefact
-from ..learning.artefact import CARD, read_artefact
+from ..learning.artefact import CARD, NETWORK, network_of
 from ..model_file import model_digest, read_model
 from ..model_follower import ModelFollower
 from ..robot import load_robot
 from ..shared_files import find_shared, share_folder
 from ..tool import read_tool, ToolFollower
-from .bayes import Bayes
-from .difference_function import DifferenceFunction
-from .gp_bayes import GpBayes
-from .gp_histogram import GpHistogram
-from .gp_search import GpAnnealing, GpEvolution, GpSwarm
-from .lstm import Lstm
 from .pipeline import Pipeline
+from .registry import DEFAULT, DIFFERENCE, METHODS, WITHOUT_ARTEFACT
 
 # A parameter counts as determined below these standard deviations, as fractions of the rated
 # mass, in metres, and as a fraction of the rated load's largest moment of inertia.
@@ -32,8 +27,8 @@ def determined_std(robot):
     return DETERMINED[0] * rated.mass, DETERMINED[1], DETERMINED[2] * moment
 
 
-def shipped_artefact(robot):
-    """Return the folder of the artefact shipped for a robot's joints and effort kind, or None."""
+def shipped_artefact(robot, network=NETWORK):
+    """Return the folder of the network shipped for a robot's joints and effort kind, or None."""
     for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{CARD}')):
         try:
             content = json.loads(card.read_text(encoding='utf-8'))
@@ -41,7 +36,8 @@ def shipped_artefact(robot):
             raise ConfigurationError(card, f'is not JSON ({error})',
                                      todo='install the package again') from None
         if content.get('joints') == list(robot.joints) \
-                and content.get('effort_kind') == robot.effort.kind:
+                and content.get('effort_kind') == robot.effort.kind \
+                and network_of(content) == network:
             return card.parent
     return None
 
@@ -56,51 +52,38 @@ def shipped_difference(model):
     return None
 
 
-def _bayes(model, uncertainties, learned):
-    if learned:
-        raise ConfigurationError('learned', 'goes with methods that learn, not with bayes',
-                                 learned)
-    return Bayes(model, uncertainties)
-
-
-def _lstm(model, uncertainties, learned):
-    folder = Path(learned) if learned else shipped_artefact(model.robot)
-    if folder is None:
-        return Bayes(model, uncertainties)
-    return Lstm(model, uncertainties, read_artefact(folder, model.robot))
-
-
-def _on_difference(method):
-    """Return the builder of a Method class that takes a DifferenceFunction."""
-    def build(model, uncertainties, learned):
-        folder = Path(learned) if learned else shipped_difference(model)
-        if folder is None:
-            raise ConfigurationError(f'method {method.name}', 'needs a learned torque difference '
-                                     'of this model, and none is shipped',
-                                     todo=difference_artefact.AGAIN + ' and give it as learned')
-        artefact = difference_artefact.read_difference(folder, model)
-        return method(model, uncertainties, DifferenceFunction(model, artefact))
-    return build
-
-
-# Methods on a learned torque difference of one model.
-ON_DIFFERENCE = {method.name: method for method in (
-    GpHistogram, GpBayes, GpSwarm, GpEvolution, GpAnnealing)}
-# name -> builder(model, uncertainties, learned folder or None) of a Method
-METHODS = {'lstm': _lstm, 'bayes': _bayes,
-           **{name: _on_difference(method) for name, method in ON_DIFFERENCE.items()}}
-
-
 def build_method(model, uncertainties, name, learned=None):
     """
     Return the Method of a name for a TorqueModel.
 
-    learned: artefact folder, or None for the shipped one; without any, `lstm` becomes `bayes`
-    and the method's name says so, while methods on a learned torque difference fail.
+    learned: artefact folder, or None for the shipped one. Without any, a method with a network
+    becomes `bayes` and the method's name says so, while one on a learned torque difference fails.
     """
     if name not in METHODS:
         raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
-    return METHODS[name](model, uncertainties, learned)
+    way = METHODS[name]
+    if way.learned is None:
+        if learned:
+            raise ConfigurationError('learned', f'goes with methods that learn, not with {name}',
+                                     learned,
+                                     ', '.join(k for k, w in METHODS.items() if w.learned))
+        return way.build(model, uncertainties, None)
+    folder = Path(learned) if learned else _shipped(model, name, way.learned)
+    if folder is None:
+        return METHODS[WITHOUT_ARTEFACT].build(model, uncertainties, None)
+    return way.build(model, uncertainties, folder)
+
+
+def _shipped(model, name, learned):
+    """Return the folder of what is shipped for a method, or None where it can go without."""
+    if learned != DIFFERENCE:
+        return shipped_artefact(model.robot, learned)
+    folder = shipped_difference(model)
+    if folder is None:
+        raise ConfigurationError(f'method {name}', 'needs a learned torque difference of this '
+                                 'model, and none is shipped',
+                                 todo=difference_artefact.AGAIN + ' and give it as learned')
+    return folder
 
 
 def _check_robot(model, path, robot):
@@ -112,7 +95,7 @@ def _check_robot(model, path, robot):
             f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
 
 
-def build_pipeline(model_path, method='lstm', learned=None, robot_path=None, tool_path=None):
+def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, tool_path=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
 

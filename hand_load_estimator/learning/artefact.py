@@ -17,7 +17,7 @@ from .features import feature_count
 from .interval_factors import LEVELS
 
 SCHEMA = 'hand_load/learned/1'
-WEIGHTS, CARD = 'lstm.safetensors', 'card.json'
+WEIGHTS, CARD, NETWORK = 'lstm.safetensors', 'card.json', 'lstm'
 _SHAPES = ('lstm.weight_ih_l0', 'lstm.weight_hh_l0', 'lstm.bias_ih_l0', 'lstm.bias_hh_l0',
            'joint_head.weight', 'joint_head.bias', 'load_head.weight', 'load_head.bias',
            'calibration')
@@ -34,13 +34,17 @@ class Artefact:
 
 def write_artefact(folder, weights, calibration, card):
     """Write the two files; each appears whole or not at all."""
+    write_files(folder, WEIGHTS, {**weights, 'calibration': calibration}, card)
+
+
+def write_files(folder, name, tensors, card):
+    """Write tensors under a file name, and the card; each appears whole or not at all."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    tensors = {name: np.ascontiguousarray(value, dtype=np.float32)
-               for name, value in weights.items()}
-    tensors['calibration'] = np.asarray(calibration, dtype=np.float32)
-    save_file(tensors, folder / (WEIGHTS + '.part'))
-    os.replace(folder / (WEIGHTS + '.part'), folder / WEIGHTS)
+    tensors = {key: np.ascontiguousarray(value, dtype=np.float32)
+               for key, value in tensors.items()}
+    save_file(tensors, folder / (name + '.part'))
+    os.replace(folder / (name + '.part'), folder / name)
     text = json.dumps({'schema': SCHEMA, **card}, indent=2) + '\n'
     (folder / (CARD + '.part')).write_text(text, encoding='utf-8')
     os.replace(folder / (CARD + '.part'), folder / CARD)
@@ -49,19 +53,32 @@ def write_artefact(folder, weights, calibration, card):
 def read_artefact(folder, robot):
     """Return the Artefact of a folder, refused when it belongs to another robot."""
     folder = Path(folder)
-    try:
-        card = json.loads((folder / CARD).read_text(encoding='utf-8'))
-        tensors = load_file(folder / WEIGHTS)
-    except Exception as error:
-        raise ConfigurationError(folder, f'is not a learned artefact ({error})',
-                                 allowed=f'a folder with {WEIGHTS} and {CARD}',
-                                 todo='make one with `hand_load train`') from None
-    _check(folder, card, tensors, robot)
+    card, tensors = read_files(folder, WEIGHTS)
+    check_card(folder, card, robot, NETWORK)
+    _check_tensors(folder, tensors, robot)
     calibration = tensors.pop('calibration').astype(float)
     return Artefact({k: v.astype(float) for k, v in tensors.items()}, calibration, card)
 
 
-def _check(folder, card, tensors, robot):
+def read_files(folder, name):
+    """Return card and tensors of a folder."""
+    try:
+        card = json.loads((folder / CARD).read_text(encoding='utf-8'))
+        tensors = load_file(folder / name)
+    except Exception as error:
+        raise ConfigurationError(folder, f'is not a learned artefact ({error})',
+                                 allowed=f'a folder with {name} and {CARD}',
+                                 todo='make one with `hand_load train`') from None
+    return card, tensors
+
+
+def network_of(card):
+    """Return which network a card's content tells of; cards without a word are `lstm`."""
+    return card.get('network', NETWORK)
+
+
+def check_card(folder, card, robot, network):
+    """Refuse a card that is not of this schema, robot and network."""
     if not isinstance(card, dict) or card.get('schema') != SCHEMA:
         raise ConfigurationError(folder / CARD, 'has another schema',
                                  card.get('schema') if isinstance(card, dict) else card, SCHEMA)
@@ -72,6 +89,12 @@ def _check(folder, card, tensors, robot):
         raise ConfigurationError(folder / CARD, 'belongs to another kind of effort',
                                  card.get('effort_kind'), robot.effort.kind,
                                  'train one for this robot')
+    if network_of(card) != network:
+        raise ConfigurationError(folder / CARD, 'is another network', network_of(card), network,
+                                 f'take method {network_of(card)}')
+
+
+def _check_tensors(folder, tensors, robot):
     hidden = tensors['lstm.weight_hh_l0'].shape[-1] if 'lstm.weight_hh_l0' in tensors else 0
     n = robot.n
     expected = dict(zip(_SHAPES, (

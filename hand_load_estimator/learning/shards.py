@@ -90,10 +90,10 @@ def make_shard(maker, robot, seeds):
             'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe']}
 
 
-def _write_shard(model_path, seeds, path):
+def _write_shard(model_path, seeds, path, make):
     torch.set_num_threads(1)
     model = read_model(model_path)
-    shard = make_shard(SequenceMaker(model), model.robot, seeds)
+    shard = make(SequenceMaker(model), model.robot, seeds)
     # Its own name: a worker of a killed training may still be at it.
     part = path.with_suffix(f'.{os.getpid()}.part')
     save_file({k: v.contiguous() for k, v in shard.items()}, part)
@@ -101,11 +101,12 @@ def _write_shard(model_path, seeds, path):
     return path
 
 
-def write_shards(model_path, folder, seeds, progress):
+def write_shards(model_path, folder, seeds, make, progress):
     """
     Make the shards of a range of seeds below `folder` and return their paths.
 
-    Shards that are there already are kept. progress(done) is called as they come.
+    Shards that are there already are kept. make(maker, robot, seeds) gives the tensors of one;
+    progress(done) is called as they come.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -115,7 +116,7 @@ def write_shards(model_path, folder, seeds, progress):
     done = len(parts) - len(todo)
     with ProcessPoolExecutor(max(1, os.cpu_count() or 1), initializer=end_with,
                              initargs=(os.getpid(),)) as pool:
-        jobs = [pool.submit(_write_shard, str(model_path), list(part), path)
+        jobs = [pool.submit(_write_shard, str(model_path), list(part), path, make)
                 for part, path in todo]
         for job in jobs:
             job.result()

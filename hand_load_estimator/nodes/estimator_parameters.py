@@ -1,6 +1,6 @@
 """Parameter table of the estimator node."""
 
-from ..estimators.build import METHODS
+from ..estimators.registry import DEFAULT, METHODS
 from .parameters import Parameter
 
 ESTIMATOR_PARAMETERS = (
@@ -8,10 +8,10 @@ ESTIMATOR_PARAMETERS = (
     Parameter('model', '', 'torque model file: a path or the short name of a shipped one; empty: '
               'the shipped model named like the robot; a change is taken by ~/reload_model',
               read_only=False),
-    Parameter('method', 'lstm', 'estimator; lstm: a robot without a learned artefact uses bayes; '
-              'gp_...: needs what `hand_load learn-gp` makes', choices=tuple(METHODS)),
+    Parameter('method', DEFAULT, 'estimator; without a learned artefact gp_... ends with a '
+              'message, the others become bayes', choices=tuple(METHODS)),
     Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one for the '
-              'robot\'s joints and effort kind (gp_...: for the model), if any'),
+              'method and the robot\'s joints and effort kind (gp_...: for the model)'),
     Parameter('tool', '', 'load file of a known tool, which may state `std`; the estimate is what '
               'is held beside it; empty: none'),
     Parameter('checkpoint', '', 'file in which the estimate survives a restart or kill, written '

@@ -1,0 +1,126 @@
+"""
+Methods that go from motion and torque difference to the load by a network alone.
+
+`lstm_direct`, `gru`, `elman` (E1.3), `feedforward` (E1.4), `two_network` (E1.6), `dropout` (E6.2);
+the artefact says which, and which joints and parameters (E1.5). A method `bayes` runs beside it
+for what a network cannot tell: load changes, which restart the network, contacts, whose samples
+it does not see, mismatch and tare.
+"""
+
+import numpy as np
+import torch
+
+from ..learning.direct_calibration import calibrated
+from ..learning.direct_network import Judge, inputs_of
+from ..load import message_from_shape, products_jacobian_of_message
+from ..torque_columns import warmth_of
+from .bayes import Bayes
+from .information import message_covariance
+from .load_prior import load_prior
+from .method import Belief
+
+# A doubt about products is one about place and inertia for loads of this share of the rated mass.
+LIGHT = 0.05
+
+
+class Direct:
+    """Estimate the load with a DirectArtefact; the model may be any of the arm it is for."""
+
+    def __init__(self, model, uncertainties, artefact):
+        design = artefact.network.design
+        self.name = design.network
+        self._robot = model.robot
+        self._joints = [model.robot.joints.index(name) for name in design.joints]
+        self._picked, self._artefact = design.picked, artefact
+        self._judge = Judge(artefact.network)
+        prior = load_prior(self._robot)
+        self._prior = Belief(message_from_shape(prior.mean),
+                             message_covariance(prior.mean, np.diag(prior.std ** 2)))
+        self._beside = Bayes(model, uncertainties)
+        self._zero_doubt = np.zeros((10, 10))
+        self._restart()
+
+    @property
+    def changes(self):
+        """Number of load changes seen."""
+        return self._beside.changes
+
+    @property
+    def last_change(self):
+        """Stamp [s] of the newest load change, or None."""
+        return self._beside.last_change
+
+    @property
+    def tared(self):
+        """Products (10,) declared zero by tare."""
+        return self._beside.tared
+
+    @property
+    def mismatch(self):
+        """Why the model does not explain the residual, or an empty string."""
+        return self._beside.mismatch
+
+    def update(self, sample, prediction):
+        """Take one sample; return the Belief after it."""
+        changes = self.changes
+        self._beside.update(sample, prediction)
+        if self.changes > changes:
+            self._restart()
+        if self._beside.refused:
+            return self._belief
+        difference = prediction.difference - prediction.load_columns @ self.tared
+        warmth = np.where(np.isfinite(sample.temperature),
+                          warmth_of(self._robot, sample.temperature), np.nan)
+        q, v, a, difference, warmth = torch.tensor(
+            np.stack([sample.q, sample.v, sample.a, difference, warmth]), dtype=torch.float32)
+        x = inputs_of(self._robot, self._joints, (q, v, a), difference, warmth)
+        mean, std, self._state = self._judge(x[None, None], self._state)
+        self._belief = self._published(mean[0, 0].double().numpy(), std[0, 0].double().numpy())
+        return self._belief
+
+    def settle(self):
+        """Look for a load change."""
+        changes = self.changes
+        self._beside.settle()
+        if self.changes > changes:
+            self._restart()
+
+    def belief(self):
+        """Return the present Belief."""
+        return self._belief
+
+    def forget(self):
+        """Forget the load."""
+        self._beside.forget()
+        self._restart()
+
+    def tare(self):
+        """Make what is held now the new zero, as `bayes` beside sees it, and keep its doubt."""
+        held = self._beside.belief()
+        jacobian = products_jacobian_of_message(held.mean)
+        self._zero_doubt = jacobian @ held.covariance @ jacobian.T
+        self._beside.tare()
+        self._restart()
+
+    def _restart(self):
+        self._state, self._belief = None, self._prior
+
+    def _published(self, mean, std):
+        """Return the Belief of a network's answer (10,), the prior's where it has none."""
+        picked = self._picked
+        out, covariance = self._prior.mean.copy(), self._prior.covariance.copy()
+        out[picked] = mean[picked]
+        variance = calibrated(std, picked, self._artefact.knots, self._artefact.factors) ** 2
+        # The network tells no correlations.
+        covariance[picked], covariance[:, picked] = 0.0, 0.0
+        covariance[picked, picked] = variance[picked]
+        return Belief(out, covariance + self._doubt_of_zero(out))
+
+    def _doubt_of_zero(self, mean):
+        """Return what the doubt (10, 10) about tared products does to a load in message order."""
+        if not self._zero_doubt.any():
+            return self._zero_doubt
+        heavy = mean.copy()
+        heavy[0] = max(heavy[0], LIGHT * self._robot.rated_load.mass)
+        inverse = np.linalg.inv(products_jacobian_of_message(heavy))
+        return inverse @ self._zero_doubt @ inverse.T

@@ -1,0 +1,62 @@
+"""A direct network as files: weights, calibration and card, belonging to one robot (E10.1)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from ..errors import ConfigurationError
+from .artefact import check_card, read_files, write_files
+from .direct_calibration import RANGES
+from .direct_design import Design
+from .direct_network import build_network
+
+WEIGHTS = 'network.safetensors'
+
+
+@dataclass(frozen=True)
+class DirectArtefact:
+    """network: trained, of its own Design; knots, factors (P, RANGES) of calibrated(); card."""
+
+    network: torch.nn.Module
+    knots: np.ndarray
+    factors: np.ndarray
+    card: dict
+
+
+def write_direct_artefact(folder, network, knots, factors, card):
+    """Write network and calibration; each file appears whole or not at all."""
+    tensors = {f'network.{name}': value.numpy() for name, value in network.state_dict().items()}
+    write_files(folder, WEIGHTS, {**tensors, 'knots': knots, 'factors': factors}, card)
+
+
+def read_direct_artefact(folder, robot, network):
+    """Return the DirectArtefact of a folder, refused when it is another robot's or network's."""
+    folder = Path(folder)
+    card, tensors = read_files(folder, WEIGHTS)
+    check_card(folder, card, robot, network)
+    try:
+        design = _design(card, robot)
+        own = build_network(robot, design)
+        own.load_state_dict({name[8:]: torch.tensor(value) for name, value in tensors.items()
+                             if name.startswith('network.')})
+        knots, factors = (tensors[name].astype(float) for name in ('knots', 'factors'))
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise ConfigurationError(folder, f'does not hold what its card says ({error})',
+                                 todo='train it again') from None
+    shape = (len(design.parameters), RANGES)
+    if knots.shape != shape or factors.shape != shape or (factors <= 0.0).any() \
+            or not all(np.isfinite(value).all() for value in tensors.values()):
+        raise ConfigurationError(folder / WEIGHTS, 'has tensors that are not usable',
+                                 allowed='finite ones, calibration above 0',
+                                 todo='train it again')
+    return DirectArtefact(own.eval(), knots, factors, card)
+
+
+def _design(card, robot):
+    content = card['recipe']['design']
+    if not set(content['joints']) <= set(robot.joints):
+        raise ValueError('it reads joints that the robot does not have')
+    return Design(**{**content, 'joints': tuple(content['joints']),
+                     'parameters': tuple(content['parameters'])})

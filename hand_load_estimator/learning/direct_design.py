@@ -1,0 +1,69 @@
+"""
+Which direct network: what it reads, what it answers and how large it is (E1.3 to E1.6, E6).
+
+Direct networks go from motion and torque difference to the load without a regression between, as
+the reference's worked examples do. Nothing here needs torch, so that names can be listed cheaply.
+"""
+
+from dataclasses import dataclass
+
+from ..errors import ConfigurationError
+from ..load import MESSAGE_ORDER
+
+# name -> what it is, for help and card
+NETWORKS = {
+    'lstm_direct': 'LSTM (E1.3, eq. 2-7)',
+    'gru': 'gated recurrent units (E1.3)',
+    'elman': 'Elman network (E1.3)',
+    'feedforward': 'feed-forward network on windows of a fixed length (E1.4)',
+    'two_network': 'LSTM for the load and LSTM for the torque error that corrects it (E1.6)',
+    'dropout': 'LSTM, judged by randomly thinned copies of itself (E6.2)'}
+
+
+@dataclass(frozen=True)
+class Design:
+    """
+    What decides a direct network's shape.
+
+    network: key of NETWORKS; joints: names of those it reads (E1.5); parameters: names, of
+    MESSAGE_ORDER, of those it answers (E1.5); hidden units per layer; layers: recurrent ones, or
+    those behind the window; window: samples a feed-forward network reads at once; thinned: share
+    of units that dropout leaves out; copies: thinned networks that judge.
+    """
+
+    network: str
+    joints: tuple
+    parameters: tuple = MESSAGE_ORDER
+    hidden: int = 48
+    layers: int = 1
+    window: int = 25
+    thinned: float = 0.1
+    copies: int = 16
+
+    @property
+    def picked(self):
+        """Places of the parameters in message order."""
+        return [MESSAGE_ORDER.index(name) for name in self.parameters]
+
+
+def design_for(robot, network, joints=None, parameters=None):
+    """
+    Return the Design of a network for a robot; raises ConfigurationError.
+
+    joints, parameters: names, or None for all.
+    """
+    if network not in NETWORKS:
+        raise ConfigurationError('--network', 'is not known', network, ', '.join(NETWORKS))
+    return Design(network, _subset('--joints', joints, robot.joints),
+                  _subset('--parameters', parameters, MESSAGE_ORDER))
+
+
+def _subset(where, chosen, allowed):
+    if chosen is None:
+        return tuple(allowed)
+    wrong = [name for name in chosen if name not in allowed]
+    if wrong or not chosen:
+        raise ConfigurationError(where, 'names none of this robot', ', '.join(wrong),
+                                 ', '.join(allowed))
+    # In the robot's order, so that a different order of writing is not a different network.
+    return tuple(name for name in allowed if name in chosen)

@@ -1,0 +1,195 @@
+"""What every training shares: seeded steps with progress and time left, resumed after a kill."""
+
+import ctypes
+import json
+import os
+import shutil
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors import safe_open
+from safetensors.torch import load_file, save_file
+
+from .. import seeds
+from ..errors import ConfigurationError
+from . import shards
+from .start import sha256_of
+
+CHECKPOINT_EVERY = 25   # steps
+BYTES_PER_SEQUENCE = 1e6   # on disk while training, for six joints
+_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4   # glibc's malloc.h
+
+
+def pick_device(name):
+    """Return the torch device for 'auto', 'cpu' or 'cuda'."""
+    if name == 'cuda' and not torch.cuda.is_available():
+        raise ConfigurationError('--device', 'is not there', name, 'auto or cpu on this machine')
+    if name == 'auto':
+        name = 'cuda' if torch.cuda.is_available() else 'cpu'
+    return torch.device(name)
+
+
+def keep_memory():
+    """
+    Have glibc keep freed memory: giving the large tensors of every step back to the system and
+    fetching them anew takes as long as the arithmetic. Elsewhere nothing happens.
+    """
+    mallopt = getattr(ctypes.CDLL(None), 'mallopt', None)
+    if mallopt is not None:
+        mallopt(_M_MMAP_MAX, 0)
+        mallopt(_M_TRIM_THRESHOLD, 2 ** 31 - 1)
+
+
+class Progress:
+    """One line that says how far, how fast and how long still."""
+
+    def __init__(self, write, what, total, done=0):
+        self._write, self._what, self._total = write, what, total
+        self._began, self._first = time.monotonic(), done
+
+    def __call__(self, done, note=''):
+        """Report `done` of the total."""
+        spent = time.monotonic() - self._began
+        rate = (done - self._first) / spent if spent > 0.0 else 0.0
+        left = (self._total - done) / rate if rate > 0.0 else float('nan')
+        self._write(f'{self._what} {done}/{self._total}  {rate:.2f}/s  {left / 60.0:.1f} min left'
+                    f'{note}')
+
+
+def job_of(model_path, recipe, start=None):
+    """Return what a training's result follows from, as JSON has it; start: None or a Start."""
+    job = {'recipe': asdict(recipe), 'started_from': None if start is None else start.note,
+           'model': {'file': Path(model_path).name, 'sha256': sha256_of(model_path)}}
+    # As JSON gives it back: tuples are lists there.
+    return json.loads(json.dumps(job))
+
+
+def spans_of(recipe, start=None):
+    """
+    Return {'training', 'calibration', 'validation': seeds} of a recipe.
+
+    A fine-tuning (start given) sees draws that no training from scratch comes to.
+    """
+    count = recipe.sequences if recipe.passes else 0
+    training = seeds.TRAINING[:count] if start is None else \
+        seeds.TRAINING[len(seeds.TRAINING) - count:]
+    return {'training': training, 'calibration': seeds.CALIBRATION[:recipe.calibration],
+            'validation': seeds.VALIDATION[:recipe.validation]}
+
+
+def begin_work(folder, job, spans):
+    """Return folder/work, where a training of this job begins or goes on."""
+    work = Path(folder) / 'work'
+    work.mkdir(parents=True, exist_ok=True)
+    _same_job(work, job, sum(map(len, spans.values())))
+    return work
+
+
+def _same_job(work, job, sequences):
+    """Note what the work belongs to, where there is room for it; refuse to mix two jobs."""
+    note = work / 'job.json'
+    if not note.exists():
+        needed = BYTES_PER_SEQUENCE * sequences
+        free = shutil.disk_usage(work).free
+        if free < needed:
+            raise ConfigurationError(work, 'has too little room for the training sequences',
+                                     f'{free / 1e9:.1f} GB', f'{needed / 1e9:.1f} GB or more')
+        part = note.with_suffix('.part')
+        part.write_text(json.dumps(job), encoding='utf-8')
+        os.replace(part, note)
+    elif json.loads(note.read_text(encoding='utf-8')) != job:
+        raise ConfigurationError(
+            work, 'holds the unfinished training of another model, recipe or start',
+            todo='remove it or give another --out')
+
+
+def end_work(work):
+    """Remove what a finished training worked with."""
+    for path in sorted(work.rglob('*'), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    work.rmdir()
+
+
+def make_sequences(model_path, work, spans, make, write):
+    """
+    Return {use: paths of shards} for spans {use: seeds}, made where missing.
+
+    make: as of shards.write_shards.
+    """
+    return {name: shards.write_shards(
+        model_path, work / name, span, make, Progress(
+            write, f'sequences ({name})', len(range(0, len(span), shards.BATCH))))
+        for name, span in spans.items()}
+
+
+class _Run:
+    """Network, optimiser and schedule of one training, with their checkpoint."""
+
+    def __init__(self, network, recipe, steps, folder):
+        self.network = network
+        self.optimiser = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
+        self.schedule = torch.optim.lr_scheduler.OneCycleLR(
+            self.optimiser, recipe.learning_rate, total_steps=max(steps, 1), pct_start=0.1)
+        self._path = Path(folder) / 'checkpoint.safetensors'
+        self.step = 0
+
+    def save(self):
+        """Write the checkpoint; a kill leaves the old one or the new one."""
+        tensors = {f'network.{k}': v for k, v in self.network.state_dict().items()}
+        for index, state in self.optimiser.state_dict()['state'].items():
+            tensors |= {f'optimiser.{index}.{k}': v for k, v in state.items()}
+        part = self._path.with_suffix('.part')
+        save_file({k: v.contiguous() for k, v in tensors.items()}, part,
+                  metadata={'step': str(self.step)})
+        os.replace(part, self._path)
+
+    def resume(self):
+        """Go on from the checkpoint when there is one."""
+        if not self._path.exists():
+            return
+        tensors = load_file(self._path)
+        self.network.load_state_dict({k[8:]: v for k, v in tensors.items()
+                                      if k.startswith('network.')})
+        state = self.optimiser.state_dict()
+        for name, value in tensors.items():
+            if name.startswith('optimiser.'):
+                _, index, key = name.split('.')
+                state['state'].setdefault(int(index), {})[key] = value
+        self.optimiser.load_state_dict(state)
+        with safe_open(self._path, 'pt') as file:
+            self.step = int(file.metadata()['step'])
+        for _ in range(self.step):
+            self.schedule.step()
+
+
+def optimise(network, recipe, paths, loss, work, write):
+    """
+    Return the network after recipe.passes over the shards, its gradients of `loss` followed.
+
+    network: on its device, initialised; loss(network, shard, step) -> tensor (). What is random
+    in a loss must follow from the step, so that a resumed training does the same.
+    """
+    steps = recipe.passes * len(paths)
+    run = _Run(network, recipe, steps, work)
+    run.resume()
+    device = next(network.parameters()).device
+    progress = Progress(write, 'training step', steps, run.step)
+    recent = []
+    while run.step < steps:
+        turn, place = divmod(run.step, len(paths))
+        order = np.random.default_rng([recipe.seed, turn]).permutation(len(paths))
+        value = loss(network, shards.read_shard(paths[order[place]], device), run.step)
+        run.optimiser.zero_grad()
+        value.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        run.optimiser.step()
+        run.schedule.step()
+        run.step += 1
+        recent = [*recent[-49:], value.item()]
+        if run.step % CHECKPOINT_EVERY == 0 or run.step == steps:
+            run.save()
+            progress(run.step, f'  divergence {np.mean(recent):.3f}')
+    return network

@@ -1,0 +1,409 @@
+"""Networks straight to the load: rows E1.3, E1.4, E1.5, E1.6, E6.1 and E6.2 of the reference."""
+
+import json
+
+from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+import numpy as np
+import pytest
+from safetensors.numpy import load_file, save_file as save_arrays
+from safetensors.torch import save_file
+import torch
+
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.build import build_method, determined_std, shipped_artefact
+from hand_load_estimator.estimators.direct import Direct
+from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.learning.direct_artefact import (read_direct_artefact,
+                                                          write_direct_artefact)
+from hand_load_estimator.learning.direct_calibration import (calibrate_direct, calibrated,
+                                                             factors_of, RANGES)
+from hand_load_estimator.learning.direct_design import Design, design_for, NETWORKS
+from hand_load_estimator.learning.direct_network import build_network, inputs_of, Judge
+from hand_load_estimator.learning.direct_shards import load_torque, make_direct_shard
+from hand_load_estimator.learning.direct_training import DirectRecipe, Loss
+from hand_load_estimator.learning.sequences import SequenceMaker
+from hand_load_estimator.load import MESSAGE_ORDER
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.model_follower import ModelFollower
+
+RECURRENT = ('lstm_direct', 'gru', 'elman')
+
+
+@pytest.fixture(scope='module')
+def model():
+    return exact_model('four', doubt=0.02)
+
+
+@pytest.fixture(scope='module')
+def robot(model):
+    return model.robot
+
+
+@pytest.fixture(scope='module')
+def shard(model, robot):
+    return make_direct_shard(SequenceMaker(model), robot, range(6))
+
+
+def design_of(robot, network='gru', **changes):
+    """Return a small Design."""
+    content = {**vars(design_for(robot, network)), 'hidden': 12, 'copies': 5, **changes}
+    return Design(**content)
+
+
+def network_of(robot, design, seed=1, size=0.3):
+    """Return a network whose heads say something of that size."""
+    torch.manual_seed(seed)
+    network = build_network(robot, design)
+    with torch.no_grad():
+        for name, value in network.named_parameters():
+            if 'head' in name:
+                value.normal_(0.0, size)
+    return network.eval()
+
+
+def inputs(robot, joints=None, count=40, seed=0):
+    """Return x (2, count, 5 k + 1) of random motion."""
+    rng = np.random.default_rng(seed)
+    parts = [torch.tensor(rng.normal(size=(2, count, robot.n)), dtype=torch.float32)
+             for _ in range(5)]
+    picked = list(range(robot.n)) if joints is None else joints
+    return inputs_of(robot, picked, parts[:3], 10.0 * parts[3], 10.0 * parts[4])
+
+
+def artefact_of(folder, robot, network, factor=1.0):
+    """Write a network as an artefact and return it as it is read."""
+    shape = (len(network.design.parameters), RANGES)
+    card = {'joints': list(robot.joints), 'effort_kind': robot.effort.kind,
+            'network': network.design.network, 'recipe': {'design': vars(network.design)}}
+    write_direct_artefact(folder, network, np.tile(np.arange(RANGES), (shape[0], 1)),
+                          np.full(shape, factor), card)
+    return read_direct_artefact(folder, robot, network.design.network)
+
+
+def pipeline_with(model, artefact):
+    """Return a Pipeline with a direct method."""
+    follower = ModelFollower(model)
+    return warm(Pipeline(model, follower, Direct(model, follower.uncertainties, artefact),
+                         determined_std(model.robot)))
+
+
+@pytest.mark.parametrize('name', NETWORKS)
+def test_a_new_network_answers_the_prior(robot, name):
+    prior = load_prior(robot)
+    with torch.no_grad():
+        mean, std, _ = build_network(robot, design_of(robot, name))(inputs(robot))
+    assert mean.shape == std.shape == (2, 40, 10)
+    np.testing.assert_allclose(mean[..., :4].numpy(), np.broadcast_to(
+        prior.mean[:4], (2, 40, 4)), rtol=1e-5)
+    np.testing.assert_allclose(std[..., :4].numpy(), np.broadcast_to(
+        prior.std[:4], (2, 40, 4)), rtol=1e-5)
+
+
+@pytest.mark.parametrize('name', RECURRENT)
+def test_E1_3_24_inputs_of_six_axes_with_temperatures_ten_outputs(name):
+    """theta, theta', theta'', difference of six joints are 24; temperatures and a flag follow."""
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    network = network_of(robot, design_of(robot, name))
+    x = inputs(robot)
+    assert x.shape[-1] == 4 * 6 + 6 + 1 == 31
+    with torch.no_grad():
+        mean, _, _ = network(x)
+        for column in range(30):
+            other = x.clone()
+            other[:, :, column] += 0.5
+            assert (network(other)[0] - mean).abs().max() > 1e-6, column
+    assert mean.shape[-1] == 10
+
+
+@pytest.mark.parametrize('name, layers', [('lstm_direct', 1), ('lstm_direct', 3), ('gru', 2),
+                                          ('elman', 2)])
+def test_E1_3_recurrent_with_one_or_more_layers(robot, name, layers):
+    """What came long ago still counts, and sample by sample is the same as all at once."""
+    network = network_of(robot, design_of(robot, name, layers=layers))
+    x = inputs(robot, count=12)
+    with torch.no_grad():
+        mean, std, _ = network(x)
+        assert (network(x[:, 5:])[0][:, -1] - mean[:, -1]).abs().max() > 1e-6
+        state, steps = None, []
+        for k in range(x.shape[1]):
+            *answer, state = network(x[:, k:k + 1], state)
+            steps.append(torch.cat(answer, dim=-1))
+    np.testing.assert_allclose(torch.cat(steps, dim=1), torch.cat([mean, std], dim=-1), atol=1e-5)
+    assert sum('weight_hh' in n for n, _ in network.named_parameters()) == layers
+
+
+def test_E1_4_feed_forward_reads_a_window_of_fixed_length(robot):
+    network = network_of(robot, design_of(robot, 'feedforward', window=8))
+    x = inputs(robot)
+    with torch.no_grad():
+        mean, _, state = network(x)
+        # Only the last 8 samples count, all of them.
+        np.testing.assert_allclose(network(x[:, -8:])[0][:, -1], mean[:, -1], atol=1e-6)
+        for back, counts in ((8, True), (9, False)):
+            other = x.clone()
+            other[:, -back] += 1.0
+            assert (network(other)[0][:, -1] != mean[:, -1]).any() == counts
+        again, at, state = [], 0, None
+        for size in (1, 3, 20, 16):
+            *answer, state = network(x[:, at:at + size], state)
+            again.append(answer[0])
+            at += size
+    np.testing.assert_allclose(torch.cat(again, dim=1), mean, atol=1e-6)
+
+
+def test_E1_5_joint_subset_reduces_inputs(robot):
+    design = design_for(robot, 'gru', joints=('j2', 'j1'))
+    assert design.joints == ('j1', 'j2')
+    x = inputs(robot, [1, 2])
+    assert x.shape[-1] == 5 * 2 + 1
+    with torch.no_grad():
+        assert network_of(robot, design)(x)[0].shape == (2, 40, 10)
+
+
+@pytest.mark.parametrize('name', NETWORKS)
+def test_E1_5_parameters_not_asked_for_keep_the_prior(tmp_path, robot, name):
+    design = design_of(robot, name, parameters=('m', 'y'), joints=('j1', 'j2'))
+    artefact = artefact_of(tmp_path, robot, network_of(robot, design))
+    model = exact_model('four')
+    pipeline = pipeline_with(model, artefact)
+    prior = pipeline.method.belief()
+    last = feed(pipeline, messages(model, block(2.0), 1.5))[-1]
+    others = [k for k in range(10) if k not in (0, 2)]
+    np.testing.assert_array_equal(last.mean[others], prior.mean[others])
+    np.testing.assert_array_equal(np.diag(last.covariance)[others],
+                                  np.diag(prior.covariance)[others])
+    assert (last.mean[[0, 2]] != prior.mean[[0, 2]]).all()
+    assert (np.diag(last.covariance)[[0, 2]] != np.diag(prior.covariance)[[0, 2]]).all()
+    assert np.linalg.eigvalsh(last.covariance).min() > 0.0
+
+
+@pytest.mark.parametrize('wrong', [{'joints': ('j9',)}, {'parameters': ('mass',)},
+                                   {'parameters': ()}, {'network': 'magic'}])
+def test_E1_5_unknown_names_are_refused(robot, wrong):
+    with pytest.raises(ConfigurationError, match='allowed'):
+        design_for(robot, **{'network': 'gru', **wrong})
+
+
+def test_E1_6_the_load_is_corrected_by_the_predicted_torque_error(robot):
+    network = network_of(robot, design_of(robot, 'two_network'))
+    x, k = inputs(robot), robot.n
+    with torch.no_grad():
+        first, error, corrected, _ = network.passes(x)
+        assert error.shape == (2, 40, k) and error.abs().max() > 1e-4
+        left = x.clone()
+        left[..., 3 * k:4 * k] -= error
+        again = network.load(left)
+        np.testing.assert_allclose(corrected[0], again[0], atol=1e-6)
+        np.testing.assert_allclose(network(x)[0], corrected[0], atol=1e-6)
+        assert (first[0] - corrected[0]).abs().max() > 1e-4
+        # Net B sees motion and load, not the difference: through A's load alone it changes.
+        network.load.head.weight.zero_()
+        other = x.clone()
+        other[..., 3 * k:4 * k] += 0.1
+        np.testing.assert_allclose(network.passes(other)[1], network.passes(x)[1], atol=1e-6)
+
+
+def test_E1_6_net_b_learns_the_difference_that_is_not_the_loads(robot, shard):
+    difference = shard['error'] + load_torque(shard['columns'], shard['load'].numpy())
+    sequence = SequenceMaker(exact_model('four', doubt=0.02)).make(2)
+    np.testing.assert_allclose(difference[2], sequence.difference, atol=1e-4)
+    network = network_of(robot, design_of(robot, 'two_network'))
+    label = shard['error'] / torch.tensor(robot.limits.torque, dtype=torch.float32)
+    assert network.error_loss(label, label) == 0.0
+    loss = Loss(robot, DirectRecipe(network.design), 1)(network, shard, 0)
+    loss.backward()
+    assert network.error_head.bias.grad.abs().min() > 0.0
+
+
+@pytest.mark.parametrize('name', NETWORKS)
+def test_E6_1_training_lowers_the_divergence(robot, shard, name):
+    torch.manual_seed(1)
+    network = build_network(robot, design_of(robot, name))
+    loss = Loss(robot, DirectRecipe(network.design), 1)
+    optimiser = torch.optim.Adam(network.parameters(), lr=1e-2)
+    values = []
+    for _ in range(6):
+        # The same step: the same loads, the same masks.
+        value = loss(network, shard, 3)
+        optimiser.zero_grad()
+        value.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimiser.step()
+        values.append(value.item())
+    assert values[-1] < values[0] - 0.02, values
+
+
+def test_every_step_draws_other_loads(robot, shard):
+    network = network_of(robot, design_of(robot))
+    loss = Loss(robot, DirectRecipe(network.design), 1)
+    with torch.no_grad():
+        one, again, other = (loss(network, shard, step).item() for step in (1, 1, 2))
+    assert one == again != other
+
+
+def test_E6_1_stated_deviations_follow_the_error(robot, shard):
+    """A head that knows mass and not place says so."""
+    network = network_of(robot, design_of(robot), size=0.0)
+    with torch.no_grad():
+        network.head.bias[10] = -3.0
+        _, std, _ = network(inputs(robot))
+    assert (std[..., 0] < 0.06 * network.scale[0]).all()
+    assert (std[..., 1:] == network.scale[1:]).all()
+
+
+def test_E6_2_thinned_networks_give_mean_and_index(robot):
+    network = network_of(robot, design_of(robot, 'dropout', thinned=0.3))
+    x = inputs(robot)
+    mean, std, _ = Judge(network)(x)
+    masks = network.masks(5, torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        each = torch.stack([network(x, masks=masks[:, k:k + 1].expand(-1, 2, -1))[0]
+                            for k in range(5)])
+    assert (each.std(dim=0)[:, 5:, 0] > 1e-5).all()
+    np.testing.assert_allclose(mean, each.mean(dim=0), atol=1e-5)
+    np.testing.assert_allclose(std, each.std(dim=0), atol=1e-5)
+
+
+def test_E6_2_is_seeded(robot):
+    network = network_of(robot, design_of(robot, 'dropout', thinned=0.3))
+    x = inputs(robot)
+    one, again, other = (Judge(network, seed)(x)[1] for seed in (1, 1, 2))
+    assert torch.equal(one, again) and not torch.equal(one, other)
+
+
+def test_E6_1_calibration_gives_95_percent_where_stated_deviations_are_off():
+    """Stated ten times too small when small, right when large: intervals come out right."""
+    rng = np.random.default_rng(1)
+
+    def draw(count):
+        true = np.exp(rng.uniform(-3.0, 1.0, count))
+        return true * rng.normal(size=count), true * (0.1 + 0.9 * (np.log(true) + 3.0) / 4.0)
+
+    knots, factors = factors_of(*draw(20000))
+    error, std = draw(20000)
+    stated = np.ones((20000, 10))
+    stated[:, 3] = std
+    wide = calibrated(stated, [3], [knots], [factors])
+    np.testing.assert_array_equal(np.delete(wide, 3, axis=1), np.delete(stated, 3, axis=1))
+    sure = std < np.median(std)
+    for part in (sure, ~sure):
+        assert 0.94 < (np.abs(error) < 1.96 * wide[:, 3])[part].mean() < 0.96
+    assert (np.abs(error) < 1.96 * std)[sure].mean() < 0.7
+
+
+def test_calibration_asks_the_network_on_shards(tmp_path, robot, shard):
+    """Where a network is twice as sure the factor is twice as large; sick arms are left out."""
+    def factors(sureness, severe):
+        changed = {**shard, 'severe': torch.tensor(severe), 'begin': torch.zeros(6)}
+        save_file({k: v.contiguous() for k, v in changed.items()}, tmp_path / 's.safetensors')
+        network = network_of(robot, design_of(robot), size=0.0)
+        with torch.no_grad():
+            network.head.bias[10:] = -float(np.log(sureness))
+        return calibrate_direct(network, robot, [tmp_path / 's.safetensors'])[1]
+
+    healthy = [0.0] * 6
+    np.testing.assert_allclose(factors(2.0, healthy), 2.0 * factors(1.0, healthy), rtol=1e-4)
+    assert (factors(1.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0])[0] != factors(1.0, healthy)[0]).any()
+
+
+# As a method.
+
+@pytest.fixture(scope='module')
+def artefact(tmp_path_factory, robot):
+    return artefact_of(tmp_path_factory.mktemp('gru'), robot, network_of(robot, design_of(robot)))
+
+
+def test_the_method_answers_what_the_network_answers_in_training(robot, artefact):
+    model = exact_model('four')
+    pipeline, seen = pipeline_with(model, artefact), []
+    update = pipeline.method.update
+
+    def spied(sample, prediction):
+        seen.append((sample, prediction))
+        return update(sample, prediction)
+
+    pipeline.method.update = spied
+    last = feed(pipeline, messages(model, block(2.0), 3.0))[-1]
+    parts = [np.array([getattr(s, name) for s, _ in seen]) for name in ('q', 'v', 'a')]
+    parts += [np.array([p.difference for _, p in seen]),
+              np.array([s.temperature for s, _ in seen]) - robot.reference_temperature]
+    q, v, a, difference, warmth = torch.tensor(np.array(parts), dtype=torch.float32)[:, None]
+    with torch.no_grad():
+        mean, std, _ = artefact.network(inputs_of(robot, [0, 1, 2, 3], (q, v, a), difference,
+                                                  warmth))
+    np.testing.assert_allclose(last.mean, mean[0, -1], rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(last.std, std[0, -1], rtol=1e-4)
+
+
+def test_a_changed_load_restarts_the_network_in_step_with_bayes(artefact):
+    model = exact_model('four')
+    stream = messages(model, block(0.5), 3.5, change=(1.8, block(3.0)))
+    bayes, ours = warm(pipeline_of(model)), pipeline_with(model, artefact)
+    plain, said = feed(bayes, stream), feed(ours, stream)
+    assert [e.load_id for e in said] == [e.load_id for e in plain] and ours.load_id > 0
+
+
+def test_reset_returns_to_the_prior_and_tare_takes_the_load_off(artefact):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 1.8)
+    pipeline = pipeline_with(model, artefact)
+    fresh = pipeline.estimate(0.0)
+    held = feed(pipeline, stream)[-1]
+    pipeline.reset()
+    np.testing.assert_array_equal(pipeline.estimate(0.0).mean, fresh.mean)
+    feed(pipeline, stream)
+    pipeline.tare()
+    assert pipeline.tared_mass == pytest.approx(2.0, abs=0.15)
+    later = [type(m)(m.stamp + 3.5, *list(vars(m).values())[1:]) for m in stream]
+    tared = feed(pipeline, later)[-1]
+    empty = feed(pipeline_with(model, artefact), messages(model, block(1e-6), 1.8))[-1]
+    np.testing.assert_allclose(tared.mean, empty.mean, atol=0.1 * np.abs(held.mean - empty.mean)
+                               .max())
+    assert tared.std[0] > empty.std[0]
+
+
+def test_the_card_decides_which_artefact_is_found(tmp_path, robot, artefact, monkeypatch):
+    from hand_load_estimator.estimators import build
+    monkeypatch.setattr(build, 'share_folder', lambda: tmp_path)
+    for name in ('elman', 'gru'):
+        folder = tmp_path / 'config' / 'learned' / f'four_{name}'
+        artefact_of(folder, robot, network_of(robot, design_of(robot, name)))
+        assert shipped_artefact(robot, name) == folder
+    assert shipped_artefact(robot) is None and shipped_artefact(robot, 'feedforward') is None
+    model = exact_model('four')
+    for name, becomes in (('elman', 'elman'), ('feedforward', 'bayes'), ('lstm', 'bayes')):
+        assert build_method(model, ModelFollower(model).uncertainties, name).name == becomes
+
+
+@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'a tensor missing', 'a NaN',
+                                 'factors of nothing', 'joints of another robot'])
+def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
+    artefact_of(tmp_path, robot, network_of(robot, design_of(robot)))
+    card = json.loads((tmp_path / 'card.json').read_text())
+    weights = tmp_path / 'network.safetensors'
+    tensors = {k: v.copy() for k, v in load_file(weights).items()}
+    if how == 'network':
+        card['network'] = 'elman'
+    elif how == 'joints':
+        card['joints'] = ['a', 'b', 'c', 'd']
+    elif how == 'design':
+        del card['recipe']['design']['hidden'], card['recipe']['design']['network']
+    elif how == 'joints of another robot':
+        card['recipe']['design']['joints'] = ['a', 'j1', 'j2', 'j3']
+    elif how == 'a tensor missing':
+        del tensors['network.head.bias']
+    elif how == 'a NaN':
+        tensors['network.head.bias'][0] = np.nan
+    else:
+        tensors['factors'][:] = 0.0
+    (tmp_path / 'card.json').write_text(json.dumps(card))
+    save_arrays(tensors, weights)
+    with pytest.raises(ConfigurationError) as caught:
+        read_direct_artefact(tmp_path, robot, 'gru')
+    assert str(tmp_path) in str(caught.value)
+
+
+def test_all_ten_parameters_are_asked_for_unless_said_otherwise():
+    assert design_for(four_axes(), 'gru').parameters == MESSAGE_ORDER
