@@ -73,6 +73,10 @@ class PlayState:
         """Return the mean torque [Nm] over a step [s] under a constant torque of the link."""
         if not self._apart and torque * self._place >= 0.0:
             return 0.0
+        if inertia <= 0.0:
+            # A robot file may state no inertia: a link without any is across at once.
+            self._place, self._apart = math.copysign(half, torque), False
+            return 0.0
         speed = self._speed + step * torque / inertia
         place = self._place + 0.5 * step * (self._speed + speed)
         self._apart = abs(place) < half

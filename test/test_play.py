@@ -72,3 +72,11 @@ def test_play_is_followed_sample_by_sample():
     assert whole.shape == (200, 2) and np.abs(whole).max() > 0.1
     np.testing.assert_allclose(np.concatenate(parts), whole)
 
+
+
+def test_a_link_without_inertia_is_across_at_once():
+    """A robot file drafted from a URDF without masses has such links."""
+    t = np.arange(-1.0, 2.0, FINE)[:, None]
+    for inertia in (0.0, 1e-12):
+        felt = play_along(30.0 * t, np.full_like(t, inertia), np.full(len(t), FINE))(0, 0.01, 0.0)
+        np.testing.assert_allclose(felt, 0.0, atol=1e-6)
