@@ -7,10 +7,11 @@ from .load_prior import load_prior
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
 from .rest_watch import RestWatch
+from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
 
-class Bayes:
+class Bayes(Watching):
     """
     Estimate the load without any learned part; works for every robot with a torque model.
 
@@ -23,8 +24,8 @@ class Bayes:
 
     def __init__(self, model, uncertainties):
         robot = model.robot
-        self._regression = LoadRegression(load_prior(robot), robot.n, uncertainties,
-                                          robot.effort.torque_constants_std)
+        self._watcher = self._regression = LoadRegression(
+            load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._gate = ContactGate(robot.joints, model.residuals.rmse, model.friction_level(),
@@ -32,21 +33,6 @@ class Bayes:
         self._known = self._regression.known()
         self.innovation, self.spread = np.zeros((2, robot.n))
         self.refused = False
-
-    @property
-    def changes(self):
-        """Number of load changes seen."""
-        return self._regression.changes
-
-    @property
-    def last_change(self):
-        """Stamp [s] of the newest load change, or None."""
-        return self._regression.last_change
-
-    @property
-    def tared(self):
-        """Products (10,) declared zero by tare."""
-        return self._regression.tared
 
     @property
     def mismatch(self):

@@ -9,10 +9,11 @@ from .load_prior import load_prior
 from .mass_place import MassPlacePosterior
 from .method import Belief
 from .regression import LoadRegression
+from .watching import Watching
 from .weighting import joined_columns
 
 
-class BesideBayes:
+class BesideBayes(Watching):
     """
     A Method with its own belief over its own sums, beside a Bayes that watches for changes.
 
@@ -24,30 +25,15 @@ class BesideBayes:
     def __init__(self, model, uncertainties, function):
         robot = model.robot
         self._function, self._prior = function, load_prior(robot)
-        self._plain = Bayes(model, uncertainties)
+        self._watcher = self._plain = Bayes(model, uncertainties)
         self._counted = LoadRegression(self._prior, robot.n, uncertainties,
                                        robot.effort.torque_constants_std, watch=False)
         self._restart()
 
     @property
-    def changes(self):
-        """Number of load changes seen."""
-        return self._plain.changes
-
-    @property
-    def last_change(self):
-        """Stamp [s] of the newest load change, or None."""
-        return self._plain.last_change
-
-    @property
     def tared(self):
         """Products (10,) declared zero by tare."""
         return self._counted.tared
-
-    @property
-    def mismatch(self):
-        """Why the model does not explain the residual, or an empty string."""
-        return self._plain.mismatch
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""

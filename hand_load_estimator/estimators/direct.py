@@ -18,12 +18,13 @@ from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior
 from .method import Belief
+from .watching import Watching
 
 # A doubt about products is one about place and inertia for loads of this share of the rated mass.
 LIGHT = 0.05
 
 
-class Direct:
+class Direct(Watching):
     """Estimate the load with a DirectArtefact; the model may be any of the arm it is for."""
 
     def __init__(self, model, uncertainties, artefact):
@@ -36,29 +37,9 @@ class Direct:
         prior = load_prior(self._robot)
         self._prior = Belief(message_from_shape(prior.mean),
                              message_covariance(prior.mean, np.diag(prior.std ** 2)))
-        self._beside = Bayes(model, uncertainties)
+        self._watcher = self._beside = Bayes(model, uncertainties)
         self._zero_doubt = np.zeros((10, 10))
         self._restart()
-
-    @property
-    def changes(self):
-        """Number of load changes seen."""
-        return self._beside.changes
-
-    @property
-    def last_change(self):
-        """Stamp [s] of the newest load change, or None."""
-        return self._beside.last_change
-
-    @property
-    def tared(self):
-        """Products (10,) declared zero by tare."""
-        return self._beside.tared
-
-    @property
-    def mismatch(self):
-        """Why the model does not explain the residual, or an empty string."""
-        return self._beside.mismatch
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""

@@ -21,6 +21,7 @@ from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
 from .rest_watch import RestWatch
+from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
 
@@ -71,7 +72,7 @@ class LstmCell:
                 SHIFT * np.tanh(load[:10] / SHIFT), SPREAD * np.tanh(load[10:] / SPREAD))
 
 
-class Lstm:
+class Lstm(Watching):
     """Estimate the load with an Artefact; the model may be any of the arm it was trained for."""
 
     name = 'lstm'
@@ -80,7 +81,7 @@ class Lstm:
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
-        self._plain = LoadRegression(self._prior, self._robot.n, uncertainties)
+        self._watcher = self._plain = LoadRegression(self._prior, self._robot.n, uncertainties)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, watch=False)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)
@@ -91,21 +92,6 @@ class Lstm:
         self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._level,
                                  self._plain.change, self._robot.effort.torque_constants_std)
         self._restart()
-
-    @property
-    def changes(self):
-        """Number of load changes seen."""
-        return self._plain.changes
-
-    @property
-    def last_change(self):
-        """Stamp [s] of the newest load change, or None."""
-        return self._plain.last_change
-
-    @property
-    def tared(self):
-        """Products (10,) declared zero by tare."""
-        return self._plain.tared
 
     @property
     def mismatch(self):

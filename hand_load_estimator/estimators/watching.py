@@ -1,0 +1,25 @@
+"""What every Method says of load changes and tare, from whatever watches for them."""
+
+
+class Watching:
+    """The part of a Method that its `_watcher` answers: a LoadRegression, or a Method beside it."""
+
+    @property
+    def changes(self):
+        """Number of load changes seen."""
+        return self._watcher.changes
+
+    @property
+    def last_change(self):
+        """Stamp [s] of the newest load change, or None."""
+        return self._watcher.last_change
+
+    @property
+    def tared(self):
+        """Products (10,) declared zero by tare."""
+        return self._watcher.tared
+
+    @property
+    def mismatch(self):
+        """Why the model does not explain the residual, or an empty string."""
+        return self._watcher.mismatch
