@@ -64,11 +64,14 @@ def our_contestants(model, names, learned, difference=None):
     Return {name: Contestant} of our methods on a TorqueModel.
 
     learned: artefact of the default method, or None for the shipped one; difference: folder of
-    the torque difference learned for this model, for the methods on one. A method without an
-    artefact for this robot falls back on another: it stands once, under the name of that.
+    the torque difference learned for this model, without which the methods on one stay out. A
+    method without an artefact for this robot falls back on another: it stands once, under the
+    name of that.
     """
     out = {}
     for name in names:
+        if name in ON_DIFFERENCE and difference is None:
+            continue
         own = difference if name in ON_DIFFERENCE else learned if name == DEFAULT else None
         contestant = Contestant(
             model, lambda f, n=name, o=own: build_method(model, f.uncertainties, n, o))
