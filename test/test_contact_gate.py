@@ -91,11 +91,12 @@ def test_another_load_that_the_model_misreads_is_found(model):
 
 
 def test_a_contact_that_never_ends_is_let_through_at_last(model):
-    stream = messages(model, block(MASS), 14.0)
+    stream = messages(model, block(MASS), 24.0)
     estimates = feed(warm(pipeline_of(model)),
                      pushed(model, stream, (40.0, 0.0, 0.0), 103.0, 200.0))
     told = [e.stamp for e in estimates if 'contact' in e.reason]
-    assert told and 110.5 < max(told) < 112.0
+    # A load may explain the push for a moment, and what follows counts anew.
+    assert told and 110.5 < max(told) < 120.0
 
 
 def test_what_is_always_unexplained_is_no_contact(model):

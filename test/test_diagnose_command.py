@@ -15,6 +15,7 @@ from hand_load_estimator.cli import main
 from hand_load_estimator.learning import shards, training
 from hand_load_estimator.learning.artefact import write_artefact
 from hand_load_estimator.learning.features import feature_count
+from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.load_file import write_load_file
@@ -226,7 +227,7 @@ def artefact(folder):
     robot = model().robot
     network = LoadNetwork(feature_count(robot.n), robot.n, 6)
     write_artefact(folder / 'artefact', {k: v.numpy() for k, v in network.state_dict().items()},
-                   np.ones(10), {'name': 'as trained', 'joints': list(robot.joints),
+                   np.ones((10, len(LEVELS))), {'name': 'as trained', 'joints': list(robot.joints),
                                  'effort_kind': robot.effort.kind})
     return folder / 'artefact'
 

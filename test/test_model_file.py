@@ -19,7 +19,7 @@ from hand_load_estimator.torque_model import Residuals, TorqueModel, uncertain_d
 def model():
     """Return a model with every effect, correlations and uncommon numbers."""
     robot, rng = four_axes(), np.random.default_rng(1)
-    uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j] if s.grid else 50.0 + j
+    uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j % len(s.grid)] if s.grid else 50.0 + j
                                        for s in e.shapes})
                  for j in range(robot.n) for e in EFFECTS.values() if not (e.whole_arm and j))
     size = parameter_count(robot.n, uses)
