@@ -224,7 +224,8 @@ def test_E6_1_training_lowers_the_divergence(robot, shard, name):
     loss = Loss(robot, DirectRecipe(network.design), 1)
     optimiser = torch.optim.Adam(network.parameters(), lr=1e-2)
     values = []
-    for _ in range(6):
+    # What dropout is trained with has a deviation that stands still: its mean alone must do it.
+    for _ in range(16 if name == 'dropout' else 6):
         # The same step: the same loads, the same masks.
         value = loss(network, shard, 3)
         optimiser.zero_grad()
