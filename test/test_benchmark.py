@@ -329,5 +329,6 @@ def test_run_case_of_an_arm_that_hardly_moves_is_incomplete(monkeypatch):
     robot = four_axes()
     model = exact_model('four')
     case = cases.Case(seeds.DEVELOPMENT_PLANTS[92], 1, LoadParameters(), 20.0, 0.3)
-    found = run_case(robot, case, {'ours': model, 'textbook': model, 'nominal': model}, None)
+    found = run_case(robot, case, {'ours': model, 'textbook': model, 'nominal': model}, None,
+                     ('lstm', 'bayes'))
     assert not complete([found])

@@ -11,6 +11,7 @@ import torch
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method, determined_std, shipped_artefact
+from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.estimators.direct import Direct
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.pipeline import Pipeline
@@ -224,7 +225,8 @@ def test_E6_1_training_lowers_the_divergence(robot, shard, name):
     loss = Loss(robot, DirectRecipe(network.design), 1)
     optimiser = torch.optim.Adam(network.parameters(), lr=1e-2)
     values = []
-    for _ in range(6):
+    # What dropout is trained with has a deviation that stands still: its mean alone must do it.
+    for _ in range(16 if name == 'dropout' else 6):
         # The same step: the same loads, the same masks.
         value = loss(network, shard, 3)
         optimiser.zero_grad()
@@ -344,6 +346,20 @@ def test_a_changed_load_restarts_the_network_in_step_with_bayes(artefact):
     bayes, ours = warm(pipeline_of(model)), pipeline_with(model, artefact)
     plain, said = feed(bayes, stream), feed(ours, stream)
     assert [e.load_id for e in said] == [e.load_id for e in plain] and ours.load_id > 0
+
+
+def test_samples_of_a_contact_do_not_reach_the_network(artefact, monkeypatch):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.4)
+    pipeline = pipeline_with(model, artefact)
+    before = feed(pipeline, stream[:len(stream) // 2])[-1]
+    for name in ('update', 'refuses'):
+        monkeypatch.setattr(ContactGate, name, lambda *_: True)
+    after = feed(pipeline, stream[len(stream) // 2:])[-1]
+    np.testing.assert_array_equal(after.mean, before.mean)
+    monkeypatch.undo()
+    free = feed(pipeline_with(model, artefact), stream)[-1]
+    assert np.abs(free.mean - before.mean).max() > 1e-4
 
 
 def test_reset_returns_to_the_prior_and_tare_takes_the_load_off(artefact):

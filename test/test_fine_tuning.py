@@ -161,6 +161,7 @@ def test_a_network_of_another_kind_is_refused(folder, tmp_path):
 
 @pytest.mark.parametrize('arguments, word', [
     (['--start-from', 'nowhere'], 'nowhere'),
+    (['--start-from', 'first', '--network', 'gru'], '--start-from'),
     (['--start-from', 'first', '--passes', '-1'], '--passes'), (['--passes', '0'], '--passes')])
 def test_wrong_arguments_end_with_two(folder, tmp_path, capsys, monkeypatch, arguments, word):
     monkeypatch.chdir(folder)

@@ -29,14 +29,17 @@ def test_the_shipped_models_plant_is_in_no_range():
     assert not any(seeds.SHIPPED_MODEL_PLANT in span for span in RANGES.values())
 
 
-def test_suites_use_their_own_ranges_and_have_seeds_enough():
-    for suite, plants, cases in (('base', 'BENCHMARK_PLANTS', 'BENCHMARK_CASES'),
-                                 ('development', 'DEVELOPMENT_PLANTS', 'DEVELOPMENT_CASES')):
-        own, case_seeds, per_plant = SUITES[suite]
-        assert set(own) <= set(RANGES[plants]) and case_seeds == RANGES[cases]
-        assert len(own) * per_plant <= len(case_seeds)
-    base, _, per_plant = SUITES['base']
-    assert len(base) >= 20 and len(base) * per_plant >= 200
+@pytest.mark.parametrize('name', SUITES)
+def test_suites_use_their_own_ranges_and_have_seeds_enough(name):
+    suite = SUITES[name]
+    kind = 'DEVELOPMENT' if name == 'development' else 'BENCHMARK'
+    assert set(suite.plant_seeds) <= set(RANGES[f'{kind}_PLANTS'])
+    assert suite.case_seeds == RANGES[f'{kind}_CASES']
+    assert suite.plants <= len(suite.plant_seeds) and suite.count <= len(suite.case_seeds)
+
+
+def test_the_base_suite_is_large_enough():
+    assert SUITES['base'].plants >= 20 and SUITES['base'].count >= 200
 
 
 def test_training_fits_its_ranges():

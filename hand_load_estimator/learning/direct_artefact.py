@@ -51,7 +51,7 @@ def read_direct_artefact(folder, robot, network):
         raise ConfigurationError(folder / WEIGHTS, 'has tensors that are not usable',
                                  allowed='finite ones, calibration above 0',
                                  todo='train it again')
-    return DirectArtefact(own.eval(), knots, factors, card)
+    return DirectArtefact(own.train(False), knots, factors, card)
 
 
 def _design(card, robot):

@@ -57,7 +57,7 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
     torch.manual_seed(recipe.seed)
     network = optimise(build_network(robot, recipe.design).to(device), recipe,
                        shards['training'], Loss(robot, recipe, len(shards['training'])), work,
-                       write).cpu().eval()
+                       write).cpu().train(False)
     knots, factors = calibrate_direct(network, robot, shards['calibration'])
     scores = direct_scores(network, robot, knots, factors, shards['validation'])
     write_direct_artefact(folder, network, knots, factors,
