@@ -227,14 +227,14 @@ def artefact(folder):
     robot = model().robot
     network = LoadNetwork(feature_count(robot.n), robot.n, 6)
     write_artefact(folder / 'artefact', {k: v.numpy() for k, v in network.state_dict().items()},
-                   np.ones((10, len(LEVELS))), {'name': 'as trained', 'joints': list(robot.joints),
-                                 'effort_kind': robot.effort.kind})
+                   np.ones((10, len(LEVELS))),
+                   {'name': 'as trained', 'joints': list(robot.joints),
+                    'effort_kind': robot.effort.kind})
     return folder / 'artefact'
 
 
 def test_the_artefact_is_fine_tuned_from_the_better_model(folder, artefact, monkeypatch, capsys):
     monkeypatch.setattr(shards, 'BATCH', 2)
-    monkeypatch.setattr(training, 'BATCH', 2)
     monkeypatch.setattr(training, 'FINE_TUNING', training.Recipe(2, 2, 2, 1, learning_rate=1e-3))
     status, report = diagnosed(folder, 'run1', '--test', 'loaded', '--fine-tune', 'artefact',
                                out='tuned')
