@@ -125,3 +125,12 @@ def test_the_shown_figures_are_those_of_the_plant():
     figures = {name: list(value) if isinstance(value, tuple) else value
                for name, value in asdict(DEFAULT).items()}
     assert shown == figures
+
+
+def test_what_the_plant_refuses_leaves_no_recording(tmp_path, capsys):
+    effects = tmp_path / 'effects.yaml'
+    effects.write_text('effects:\n- {name: backlash, joints: [wrist_3_joint], strength: 1000}\n')
+    out = tmp_path / 'recording'
+    assert main(['simulate', '--robot', 'ur10e', '--out', str(out), '--duration', '2',
+                 '--effects', str(effects)]) == 2
+    assert 'backlash' in capsys.readouterr().err and not out.exists()
