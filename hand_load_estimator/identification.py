@@ -131,7 +131,7 @@ class System:
         return posterior_of(mean, covariance, self.told(mean, covariance, weights, slice(None)))
 
     def told(self, mean, covariance, weights, rows):
-        """Return Y^T W Y and Y^T W (tau - Y mean) of some rows, for the parameters free to move."""
+        """Return Y^T W Y and Y^T W (tau - Y mean) of rows, for the parameters free to move."""
         y, tau, w = self.columns[rows], self.torque[rows], weights[rows]
         n, free = tau.shape[1], np.flatnonzero(np.diag(covariance) > 0.0)
         information = np.zeros((len(free), len(free)))

@@ -1,4 +1,4 @@
-"""Let only usable joint states through: by name, finite, forward in time; count the rest by kind."""
+"""Let only usable joint states through: by name, finite, forward in time; count the others."""
 
 from collections import Counter
 

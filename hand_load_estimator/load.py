@@ -152,7 +152,7 @@ _SHAPE_OF_PRODUCT = [4 + _MESSAGE_TENSOR.index(ij) for ij in _PRODUCT_TENSOR]
 
 
 def _moments_per_mass(shape):
-    """Return second moments about the origin per mass (..., 6) and their slope in c (..., 6, 3)."""
+    """Return second moments about the origin per mass (..., 6), their slope in c (..., 6, 3)."""
     c = shape[..., 1:4]
     turned = c @ _STEINER.reshape(18, 3).T
     turned = turned.reshape(c.shape[:-1] + (6, 3))

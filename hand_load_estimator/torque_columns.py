@@ -195,7 +195,8 @@ def tilt_columns(robot, q, mean):
 def motion_input(robot, motion, distance):
     """Return (EffectInput, doubt (N, n)) along a Motion."""
     z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance)
-    return EffectInput(motion.q, motion.v, motion.a, warmth_of(robot, motion.temperature), z), doubt
+    warmth = warmth_of(robot, motion.temperature)
+    return EffectInput(motion.q, motion.v, motion.a, warmth, z), doubt
 
 
 def real_torque(robot, q, effort):

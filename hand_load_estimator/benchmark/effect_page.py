@@ -93,28 +93,3 @@ def _left_out(results):
     return [text for title, lines in (('## Not possible in the plant', skipped),
                                       ('## Failed (counted as missed)', failed))
             if lines for text in (title, '\n'.join(lines))]
-
-
-def findings_text(result):
-    """Return a few lines on one result, for a look at single cases."""
-    hidden = ', '.join(f'{e["name"]} {e["strength"]:g} at {"/".join(e["joints"]) or "arm"}'
-                       for e in result['effects']) or 'nothing'
-    lines = [f'{result["label"]}: hidden {hidden}']
-    for reason in ('skipped', 'failed'):
-        if reason in result:
-            return '\n'.join([*lines, f'  {reason}: {result[reason]}'])
-    for f in result['findings']:
-        figures = ', '.join(f'{k} {v[0]:.3g}+-{v[1]:.1g} {v[2]}'
-                            for k, v in f['parameters'].items())
-        lines.append(f'  {f["verdict"]} {f["name"]} at {"/".join(f["joints"])}: gain '
-                     f'{f["gain"]:.1f}+-{f["gain_std"]:.1f} of {f["needed"]:.1f} needed, '
-                     f'beside {", ".join(f["alternatives"]) or _NONE}; {figures}')
-    lines += [f'  {p["effect"]} {p["parameter"]}: true {p["truth"]:.4g}, model '
-              f'{p["estimate"]:.4g}' for p in result['parameters']]
-    for when in ('before', 'after'):
-        torque = np.array(result['torque'][when]) / np.array(result['torque']['without'])
-        mass = {moment: 1e3 * np.sqrt(np.mean(np.square(errors)))
-                for moment, errors in result['mass'][when].items()}
-        lines.append(f'  {when}: torque x {np.round(torque, 2)}, mass RMSE [g] '
-                     + ', '.join(f'{value:.0f} at {moment}' for moment, value in mass.items()))
-    return '\n'.join([*lines, f'  {result["seconds"]:.0f} s'])

@@ -59,8 +59,9 @@ class Effect:
     of `shapes` to values; for an array of m joints and arrays of values, (N, m, k).
     in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
     function of, as a picture shows it. default: declared by `identify` unless told otherwise.
-    learned: a function without physics, never searched for. whole_arm: one set of parameters moves all joints. derived(values, shape) ->
-    {name: (value, unit)}: what an engineer calls the parameters, or None.
+    learned: a function without physics, never searched for. whole_arm: one set of parameters
+    moves all joints. derived(values, shape) -> {name: (value, unit)}: what an engineer calls the
+    parameters, or None.
     """
 
     name: str

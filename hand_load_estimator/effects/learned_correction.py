@@ -9,7 +9,7 @@ _PLACES = np.array([-1.0, -0.75, -0.5, -0.3, -0.15, -0.03, 0.03, 0.15, 0.3, 0.5,
 
 
 def _hats(values, reach):
-    """Return (N, m, 12) piecewise linear functions of values (N, m), flat beyond the reach (m,)."""
+    """Return (N, m, 12) piecewise linear functions of values (N, m), flat beyond reach (m,)."""
     share = np.clip(values / reach, -1.0, 1.0)
     return np.stack([np.interp(share, _PLACES, row) for row in np.eye(len(_PLACES))], axis=-1)
 

@@ -119,7 +119,8 @@ class Information:
         if len(self.vector) == 10:
             return vectors
         inner = self.matrix[10:, 10:] + np.eye(len(self.vector) - 10)
-        return vectors[:, :10] - np.linalg.solve(inner, vectors[:, 10:].T).T @ self.matrix[10:, :10]
+        solved = np.linalg.solve(inner, vectors[:, 10:].T)
+        return vectors[:, :10] - solved.T @ self.matrix[10:, :10]
 
     def nuisance_given(self, products):
         """Return the nuisances' mean (r,) for a known load."""

@@ -186,7 +186,8 @@ class Pipeline:
         if self.method.mismatch:
             return self._say(stamp, belief, 'MODEL_MISMATCH', self.method.mismatch)
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
-            return self._say(stamp, belief, 'LOAD_CHANGED', 'recent torques belong to another load')
+            return self._say(stamp, belief, 'LOAD_CHANGED',
+                             'recent torques belong to another load')
         if determined[:4].all():
             return self._say(stamp, belief, 'DETERMINED',
                              f'mass and centre of mass are determined{self._unconfirmed()}')

@@ -2,7 +2,7 @@
 
 
 class Watching:
-    """The part of a Method that its `_watcher` answers: a LoadRegression, or a Method beside it."""
+    """The part of a Method that its `_watcher` answers: a LoadRegression, or another Method."""
 
     @property
     def changes(self):

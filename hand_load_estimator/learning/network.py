@@ -3,8 +3,9 @@ The LSTM in front of and behind the recursive regression (E1.3, E4.1, E6.1).
 
 One LSTM runs along every joint with the same weights (what friction does is alike in all of them),
 told which joint it is. Each step it reads the joint's features and says what torque the model
-lacks (correction) and how much the sample is worth (gain of its precision); and, for the load, how far the regression's
-answer should move within its own standard deviation (shift) and how wide it really is (spread).
+lacks (correction) and how much the sample is worth (gain of its precision); and, for the load, how
+far the regression's answer should move within its own standard deviation (shift) and how wide it
+really is (spread).
 All outputs begin at zero, where the network does nothing: what it does is learnt.
 """
 

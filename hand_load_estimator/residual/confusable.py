@@ -8,8 +8,8 @@ PAIRS = {
     frozenset({'gravity_spring', 'cable_drag'}):
         'move the joint over a whole turn: a spring repeats after it, a cable does not',
     frozenset({'presliding_hysteresis', 'stribeck_friction'}):
-        'reverse the joint many times at low speed over a few milliradians, then creep at constant '
-        'low speed',
+        'reverse the joint many times at low speed over a few milliradians, then creep at '
+        'constant low speed',
     frozenset({'temperature_dependent_coulomb_friction',
                'temperature_dependent_viscous_friction'}):
         'record at two temperatures, each at several constant speeds from slow to fast',
@@ -34,8 +34,8 @@ PAIRS = {
     frozenset({'rotor_inertia', 'link_inertia'}):
         'accelerate the joint in several poses of the joints behind it',
     frozenset({'backlash', 'time_delay'}):
-        'move the joint where gravity keeps loading its gear to one side, fast: play does not show '
-        'there, a delay does',
+        'move the joint where gravity keeps loading its gear to one side, fast: play does not '
+        'show there, a delay does',
     frozenset({'rotor_inertia', 'time_delay'}):
         'accelerate hard at high and at low speed: a delay follows the torque\'s rate, a rotor '
         'the acceleration'}

@@ -78,7 +78,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Correction:
-    """A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its test error."""
+    """A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its error."""
 
     model: object
     after: np.ndarray

@@ -60,8 +60,8 @@ def _evidence(residual, trace, step, again, torque):
 
 def _advice(chosen, alternatives):
     if chosen.name == UNKNOWN:
-        return (f'the residual follows {chosen.variable}; move the joint so that {chosen.variable} '
-                'covers its range while everything else stays the same')
+        return (f'the residual follows {chosen.variable}; move the joint so that '
+                f'{chosen.variable} covers its range while everything else stays the same')
     return advice(chosen.name, alternatives)
 
 
