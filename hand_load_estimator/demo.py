@@ -13,7 +13,6 @@ from .errors import HandLoadError
 from .load import LoadParameters
 from .seeds import SHIPPED_MODEL_PLANT
 
-NODES = ('simulator', 'estimator', 'controller')
 _PERIOD = 0.2  # [s] between two looks at the nodes
 _LATE = 60.0  # [s] without a change of phase: something hangs
 _AFTER = 2.0  # [s] to show how the estimate follows an emptied hand

@@ -32,7 +32,8 @@ LEAST_MOTION = 3.0
 @dataclass(frozen=True)
 class Evidence:
     """
-    One recording made ready: name, Motion, torque less the known load's (N, n) [Nm].
+    One recording made ready, or a part of it: name of the recording, Motion, torque less the known
+    load's (N, n) [Nm].
 
     held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None;
     load: LoadParameters declared.
@@ -43,6 +44,12 @@ class Evidence:
     torque: np.ndarray
     held: np.ndarray | None = None
     load: LoadParameters = field(default_factory=LoadParameters)
+
+
+def recording_numbers(evidence):
+    """Return for each Evidence the number of its recording: parts of one have its name."""
+    names = list(dict.fromkeys(e.name for e in evidence))
+    return [names.index(e.name) for e in evidence]
 
 
 def prepare(robot, name, motion, load):
@@ -118,6 +125,8 @@ class System:
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
         self.dt = np.concatenate([e.motion.dt for e in evidence])
         self.owner = np.concatenate([np.full(len(e.torque), k) for k, e in enumerate(evidence)])
+        self.recording = np.concatenate([
+            np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
 
@@ -245,8 +254,8 @@ def drift_of(system, residual, weights):
     n = residual.shape[1]
     out = np.zeros((n, 3))
     groups = []
-    for k in np.unique(system.owner):
-        rows = np.flatnonzero(system.owner == k)
+    for k in np.unique(system.recording):
+        rows = np.flatnonzero(system.recording == k)
         groups += [half for half in np.array_split(rows, 2) if len(half) > 50]
     for j in range(n):
         fits, errors = [], []
@@ -276,7 +285,7 @@ def held_out(system, mean, covariance, weights):
 
     A single recording is cut into four parts in time instead.
     """
-    parts = system.owner
+    parts = system.recording
     if len(np.unique(parts)) == 1:
         parts = np.arange(len(parts)) * 4 // len(parts)
     told = {part: system.told(mean, covariance, weights, np.flatnonzero(parts == part))

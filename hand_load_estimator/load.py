@@ -18,7 +18,6 @@ import numpy as np
 
 MESSAGE_ORDER = ('m', 'x', 'y', 'z', 'ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz')
 PRODUCT_ORDER = ('m', 'mx', 'my', 'mz', 'Ixx', 'Ixy', 'Iyy', 'Ixz', 'Iyz', 'Izz')
-UNITS = ('kg', 'm', 'm', 'm') + ('kg m^2',) * 6
 
 # row, column of the symmetric tensor for each place of the six in message order
 _MESSAGE_TENSOR = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))

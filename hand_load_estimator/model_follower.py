@@ -38,9 +38,13 @@ class Prediction:
 
 
 class ModelFollower:
-    """Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path."""
+    """
+    Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path.
 
-    def __init__(self, model, directions=12, seed=0):
+    measured: the samples come from an arm, so that noise can be told from them.
+    """
+
+    def __init__(self, model, directions=12, seed=0, measured=True):
         self.model = model
         self._path = PreslidingState(model.presliding_distance())
         self._friction = model.friction_level()
@@ -49,7 +53,7 @@ class ModelFollower:
             if use.name == 'load_dependent_friction':
                 self._gear_friction[use.joint] = abs(model.mean[where.start])
         self._uncertain = uncertain_directions(model, directions, seed)
-        self._noise = SampleNoise(model.residuals.rmse)
+        self._noise = SampleNoise(model.residuals.rmse) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
         self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
@@ -64,7 +68,8 @@ class ModelFollower:
     def restart(self):
         """Forget the path, as after a gap in the data."""
         self._path.restart()
-        self._noise.restart()
+        if self._noise is not None:
+            self._noise.restart()
         self._forget_torques()
 
     def _forget_torques(self):
@@ -121,8 +126,11 @@ class ModelFollower:
             columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
         stuck = stuck_variance(z, doubt, sample.v, level)
         # Identification measured the residual's density; sampled more rarely it has more.
-        noise = self._noise.update(difference, sample.dt, sample.messages)
-        density = np.maximum(self.model.residuals.intensity, noise) + 2.0 * STUCK_TIME * stuck
+        density = self.model.residuals.intensity
+        if self._noise is not None:
+            density = np.maximum(
+                density, self._noise.update(difference, sample.dt, sample.messages))
+        density = density + 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
             load, turned = load_through_effects(self.model, columns[0], load, sample, z, believed)

@@ -108,7 +108,8 @@ class MotionSuggester:
 
     def __init__(self, model, thresholds):
         self._model, self._robot, self._thresholds = model, model.robot, np.array(thresholds)
-        self._follower, self._clearance = ModelFollower(model), Clearance(model.robot)
+        self._follower = ModelFollower(model, measured=False)
+        self._clearance = Clearance(model.robot)
         self._level = model.friction_level()
         self._candidates = sorted(self._all(), key=lambda candidate: candidate.cost)
 

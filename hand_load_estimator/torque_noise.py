@@ -17,6 +17,7 @@ _DIFFERENCES = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _MEMORY = 150            # samples of the running mean
 # A reversal's step of friction is no noise: squares count up to so many times the mean.
 _CLIP = 9.0
+_UNEVEN = 0.5            # spacings that differ by more than this share are uneven
 _ASSUMED = 5             # samples the assumed noise counts for at the start
 _MOST = 8                # messages per sample told apart; more change little
 
@@ -55,7 +56,7 @@ class SampleNoise:
 
     def restart(self):
         """Begin the differences anew, as after a gap; what was measured stays."""
-        self._last = []
+        self._last, self._spacing = [], None
 
     def update(self, difference, dt, messages):
         """
@@ -63,9 +64,13 @@ class SampleNoise:
         """
         if self._mean is None:
             self._mean = self._variance * dt
+        if self._spacing is not None and abs(dt - self._spacing) > _UNEVEN * self._spacing:
+            # Differences are what they are taken for at even spacing only.
+            self._last = []
+        self._spacing = dt
         self._last = [*self._last[-4:], difference]
         if len(self._last) == 5:
-            gain = difference_gain(round(dt, 3), min(messages, _MOST))
+            gain = difference_gain(max(round(dt, 3), 1e-3), min(messages, _MOST))
             square = (_DIFFERENCES @ np.array(self._last)) ** 2 / gain
             self._count = min(self._count + 1, _MEMORY)
             self._mean = self._mean + (np.minimum(square, _CLIP * self._mean)

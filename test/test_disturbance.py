@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_residual_trace import declared_model, noise_of, recorded
 
+from hand_load_estimator.identification import recording_numbers
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.contact import contact
@@ -144,6 +145,19 @@ def test_what_is_left_is_parts_without_the_rows():
     np.testing.assert_array_equal(second.motion.q, evidence.motion.q[400:])
     (last,) = undisturbed(evidence, rows, (0.5, 1.0))
     assert len(last.torque) == 350 and last.load.mass == 0.0
+
+
+def test_parts_of_one_recording_are_one_recording():
+    """A push near the start leaves a short and a long part; folds must not follow them."""
+    first = recorded()[0]
+    rows = np.zeros(len(first.torque), dtype=bool)
+    rows[120:150] = rows[300:330] = True
+    parts = undisturbed(first, rows)
+    assert len(parts) == 3 and recording_numbers(parts) == [0, 0, 0]
+    folds = find_residual(declared_model(), parts).folds
+    # In time, and of about the same size.
+    assert len(np.unique(folds)) == 6 and np.ptp(np.unique(folds, return_counts=True)[1]) <= 1
+    assert recording_numbers([*parts, recorded()[1]]) == [0, 0, 0, 1]
 
 
 def test_a_recording_too_short_to_tell_is_passed_over():

@@ -49,6 +49,16 @@ def test_until_it_is_measured_the_residual_is_taken_for_noise():
     np.testing.assert_allclose(noise.update(np.zeros(2), 0.02, 10), np.array([0.09, 4.0]) * 0.02)
 
 
+def test_messages_that_nearly_coincide_do_no_harm():
+    """At 30 Hz every message is a sample; a driver may stamp two of them 0.3 ms apart."""
+    robot, pipeline = load_robot(find_shared('ur10e', 'robots')), build_pipeline('ur10e', 'bayes')
+    stamps = np.arange(60) / 30.0
+    stamps[30] = stamps[29] + 3e-4
+    for stamp in stamps:
+        pipeline.joint_state(stamp, robot.joints, np.zeros(6), np.zeros(6), np.zeros(6))
+    assert pipeline.samples == 60 and np.isfinite(pipeline.residual).all()
+
+
 def test_slow_joint_states_are_believed_less():
     """At 30 Hz this run had false load changes while density was thought the same as at 500."""
     robot = load_robot(find_shared('ur10e', 'robots'))

@@ -32,7 +32,8 @@ def belongs_to(pipeline):
     return {'robot': robot.name, 'joints': ', '.join(robot.joints),
             'effort kind': robot.effort.kind, 'load frame': robot.load_frame,
             'model': pipeline.digest, 'method': pipeline.method.name,
-            'tool': ' '.join(f'{value:.9g}' for value in tool.products) if tool else 'none'}
+            'tool': ' '.join(f'{value:.9g}' for value in (*tool.products, *tool.root.ravel()))
+            if tool else 'none'}
 
 
 def _digest(arrays, notes):

@@ -96,8 +96,10 @@ class ContactGate:
         inverse = np.linalg.inv(known + free)
         left = innovation - self._friction(inverse, innovation)
         unexplained = left @ inverse @ left
-        if unexplained < max(self._limit, SHARE * (innovation ** 2 / own).sum()):
+        limit = self._limit * max(self._usual, 1.0)
+        if unexplained < max(limit, SHARE * (innovation ** 2 / own).sum()):
             return False
+        self._peak = max(self._peak, unexplained)
         self._calm = OVER - STANDING_HOLD
         self._say(own * (inverse @ left))
         return True

@@ -148,7 +148,7 @@ class Pipeline:
 
     def suggest_motion(self):
         """
-        Return the Suggestion for what is not determined now; takes tenths of a second.
+        Return the Suggestion for what is not determined now; takes half a second or two.
 
         Raises SuggestionError where the arm does not stand.
         """

@@ -29,9 +29,7 @@ class CheckpointKeeper:
         self.told = 'none' if self._path is None else 'no file yet'
         # One state waits at most: where the disk is slower than the node, the newest counts.
         self._waiting = queue.Queue(maxsize=1)
-        if self._path is not None:
-            self._writer = threading.Thread(target=self._write_all, daemon=True)
-            self._writer.start()
+        self._writer = threading.Thread(target=self._write_all, daemon=True)
 
     def restore(self, pipeline):
         """Go on from the file where there is one that fits; else the Pipeline starts afresh."""
@@ -64,6 +62,8 @@ class CheckpointKeeper:
         self._hand_over((pipeline.state(), belongs_to(pipeline)))
 
     def _hand_over(self, item):
+        if self._writer.ident is None:
+            self._writer.start()
         try:
             self._waiting.get_nowait()
         except queue.Empty:
@@ -75,6 +75,8 @@ class CheckpointKeeper:
         if self._path is None:
             return
         self.keep(pipeline)
+        if self._writer.ident is None:
+            return
         end = time.monotonic() + _LAST_WRITE
         try:
             self._waiting.put(None, timeout=_LAST_WRITE)

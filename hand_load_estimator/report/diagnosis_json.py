@@ -79,7 +79,7 @@ def diagnosis_content(diagnosis):
         'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
         'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
         'correction': None if diagnosis.correction is None else {
-                'model': 'model_with_correction.yaml',
-                'torque_rmse': _numbers(diagnosis.correction.after)},
+            'model': 'model_with_correction.yaml',
+            'torque_rmse': _numbers(diagnosis.correction.after)},
         'learned': _learned(diagnosis.fine_tuning),
-            'seconds': _number(diagnosis.seconds)}
+        'seconds': _number(diagnosis.seconds)}

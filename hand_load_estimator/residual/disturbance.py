@@ -271,8 +271,10 @@ def undisturbed(evidence, rows, share=(0.0, 1.0)):
     keep &= (done > share[0]) & (done <= share[1])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.astype(int), [0]])))
     spans = [slice(a, b) for a, b in zip(edges[::2], edges[1::2])]
-    return [_part(evidence, span) for span in spans
-            if len(spans) == 1 or evidence.motion.dt[span].sum() >= SHORTEST_PART]
+    lengths = [evidence.motion.dt[span].sum() for span in spans]
+    # The longest is kept however short it is, so that something of every recording is left.
+    return [_part(evidence, span) for span, length in zip(spans, lengths)
+            if length >= min(SHORTEST_PART, max(lengths))]
 
 
 def _part(evidence, rows):

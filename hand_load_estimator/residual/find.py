@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput
+from ..identification import recording_numbers
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
 from ..torque_columns import (EffectUse, lateness, motion_input, play_columns, tilt_columns,
@@ -99,7 +100,8 @@ def find_residual(model, evidence, cut=True):
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
-    starts, folds = _cut(joined['dt'], owner) if cut else (np.zeros(1, int), np.zeros(1, int))
+    recording = np.array(recording_numbers(evidence))[owner]
+    starts, folds = _cut(joined['dt'], owner, recording) if cut else (np.zeros(1, int), np.zeros(1, int))
     noise = np.clip(noise_floor(joined['residual']), np.sqrt(STRUCTURE) * model.noise,
                     model.noise)
     return Residual(x, owner=owner, starts=starts, folds=folds, noise=noise,
@@ -171,21 +173,21 @@ def _complete(model, x, columns, dt, held):
                    tilt=tilt_columns(robot, x.q, model.mean))
 
 
-def _cut(dt, owner):
+def _cut(dt, owner, recording):
     """Return the first rows of blocks and their folds: recordings, or spans of time."""
-    count = len(np.unique(owner))
     total = float(dt.sum())
     length = min(BLOCK, total / FEWEST_BLOCKS)
-    starts, owners = [], []
-    for k in range(count):
+    starts, recordings = [], []
+    for k in np.unique(owner):
         rows = np.flatnonzero(owner == k)
         blocks = max(1, round(float(dt[rows].sum()) / length))
         first = rows[0] + (np.arange(blocks) * len(rows)) // blocks
         starts.extend(first)
-        owners.extend([k] * blocks)
+        recordings.extend([recording[rows[0]]] * blocks)
     starts = np.array(starts)
     # Leaving recordings out tests other temperatures too; few recordings are cut in time.
-    folds = np.array(owners) if count >= 3 else np.arange(len(starts)) * 6 // len(starts)
+    several = len(np.unique(recording)) >= 3
+    folds = np.array(recordings) if several else np.arange(len(starts)) * 6 // len(starts)
     return starts, folds
 
 
