@@ -8,6 +8,7 @@ motion, so their size tells that density while the arm works.
 """
 
 from functools import lru_cache
+import math
 
 import numpy as np
 
@@ -18,26 +19,29 @@ _MEMORY = 150            # samples of the running mean
 # A reversal's step of friction is no noise: squares count up to so many times the mean.
 _CLIP = 9.0
 _UNEVEN = 0.5            # spacings that differ by more than this share are uneven
+_PER_OCTAVE = 8          # steps of the spacing, so that jitter needs few gains
+_SHORTEST = 1e-3         # [s] of a spacing
 _ASSUMED = 5             # samples the assumed noise counts for at the start
 _MOST = 8                # messages per sample told apart; more change little
 
 
-@lru_cache(maxsize=256)
-def difference_gain(spacing, messages):
-    """Return E[(fourth difference)^2] / density [1/s] of white noise behind the motion filter."""
-    dt = spacing / messages
+@lru_cache(maxsize=1024)
+def difference_gain(step, messages):
+    """
+    Return E[(fourth difference)^2] / density [1/s] of white noise behind the motion filter.
+
+    step: spacing of the samples, in _PER_OCTAVE steps from 20 ms; messages: per sample.
+    """
+    dt = 0.02 * 2.0 ** (step / _PER_OCTAVE) / messages
     matrix, before, now = filter_step(dt)
-    length, total = messages * 60, 0.0
-    # What one noisy message leaves in the samples, for each place it may have between two.
-    for phase in range(messages):
-        state, last, out = np.zeros(3), 0.0, []
-        for k in range(length):
-            value = 1.0 if k == phase else 0.0
-            state = matrix @ state + before * last + now * value
-            last = value
-            if k % messages == messages - 1:
-                out.append(state[2])
-        total += float(np.sum(np.convolve(out, _DIFFERENCES) ** 2))
+    # What one noisy message leaves in the filter's output at later messages.
+    response, row, first = [now[2]], np.array([0.0, 0.0, 1.0]), matrix @ now + before
+    for _ in range(60 * messages):
+        response.append(row @ first)
+        row = row @ matrix
+    # ... and in the samples, for each place it may have between two of them.
+    total = sum(float(np.sum(np.convolve(response[place::messages], _DIFFERENCES) ** 2))
+                for place in range(messages))
     # Unit density is a variance of 1 / dt per message.
     return total / dt
 
@@ -70,7 +74,8 @@ class SampleNoise:
         self._spacing = dt
         self._last = [*self._last[-4:], difference]
         if len(self._last) == 5:
-            gain = difference_gain(max(round(dt, 3), 1e-3), min(messages, _MOST))
+            step = round(_PER_OCTAVE * math.log2(max(dt, _SHORTEST) / 0.02))
+            gain = difference_gain(step, min(messages, _MOST))
             square = (_DIFFERENCES @ np.array(self._last)) ** 2 / gain
             self._count = min(self._count + 1, _MEMORY)
             self._mean = self._mean + (np.minimum(square, _CLIP * self._mean)

@@ -130,7 +130,10 @@ def check_limits(loop):
 def check_restart(loop, listener):
     """An estimator that is restarted joins in while the others go on."""
     assert loop.nodes['estimator'].stop() == 0
+    # What the old one said last may still be on its way.
+    listener.spin(0.5)
     loop.heard['status'].clear()
+    loop.heard['load'].clear()
     loop.nodes['estimator'] = loop.start_estimator()
     listener.until(lambda: loop.heard['status'] and loop.heard['load']
                    and loop.heard['status'][-1].message not in ('NO_DATA', 'STALE_INPUT'), 30.0,
