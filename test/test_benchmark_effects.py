@@ -26,6 +26,7 @@ from hand_load_estimator.identification import identify, prepare
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.plant.hidden import EFFECTS
+from hand_load_estimator.residual.confusable import NO_MOTION
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Diagnosis, Evidence, Finding
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
@@ -131,6 +132,10 @@ ADVICE = 'turn it once round'
      'both named', []),
     ('cable_drag', [finding('gravity_spring', alternatives=['cable_drag'])],
      'alternative only', ['gravity_spring']),
+    ('link_inertia', [finding('rotor_inertia', alternatives=['link_inertia'], advice=ADVICE)],
+     'alternative only', ['rotor_inertia']),
+    ('link_inertia', [finding('rotor_inertia', alternatives=['link_inertia'],
+                              advice=f'{NO_MOTION} them')], 'both named', []),
     ('cable_drag', [finding('gravity_spring', (OTHER,), CONFIRMED, ['cable_drag'], ADVICE)],
      'confused', ['gravity_spring']),
     ('time_delay', [], 'missed', [])])

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 from core_helpers import four_axes
 import numpy as np
+from plant_helpers import ur10e
 import pytest
 from test_residual_trace import (cable, clean_runs, declared_model, noise_of, on, recorded, ripple,
                                  viscous)
@@ -14,14 +15,18 @@ from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.blocks import Blocks
-from hand_load_estimator.residual.confusable import advice, PAIRS, partners
+from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, partners,
+                                                     same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.findings import separating_motion
 from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
                                                  warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
+from hand_load_estimator.residual.trace import Candidate
 from hand_load_estimator.residual.unknown import rhythm
+from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import effect_slices
 
 
@@ -203,6 +208,25 @@ def test_pairs_of_the_design_are_known_with_a_motion():
         assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
     assert advice('torque_ripple', []) == '' and advice('coulomb_friction', ['base_tilt']) == ''
     assert all(len(pair) == 2 for pair in PAIRS)
+
+
+def test_effects_of_the_same_torque_are_told():
+    rotor, other = np.random.default_rng(3).normal(size=(2, 100, 1))
+    assert same_torque(rotor, rotor * [0.0, 2.0, -3.0])
+    assert not same_torque(rotor, np.hstack([rotor, 1e-3 * other]))
+
+
+@pytest.mark.parametrize('gravity, same', [([0.0, 0.0, -9.81], True), ([0.5, 0.0, -9.8], False)])
+def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(gravity, same):
+    robot, rng = robot_from_content({**ur10e().file.content, 'gravity': gravity}, 'arm'), \
+        np.random.default_rng(4)
+    motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
+    links = np.array([robot.link_regressor(*qva) for qva in motions])
+    acceleration = np.array([[a[0]] for _, _, a in motions])
+    residual = SimpleNamespace(columns=links)
+    rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
+    chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
+    assert separating_motion(residual, chosen, ['link_inertia']).startswith(NO_MOTION) == same
 
 
 def test_the_rhythm_of_what_is_left():

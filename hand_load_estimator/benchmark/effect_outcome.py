@@ -1,5 +1,6 @@
 """What a diagnosis came to: each hidden effect found, named beside, confused, or missed."""
 
+from ..residual.confusable import NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .effect_cases import CONTACT, NOT_IN_VOCABULARY, OUTSIDE
 
@@ -47,8 +48,10 @@ def _here(finding, effect):
 
 
 def _both_named(finding, name):
+    # Recordings may not tell some sets apart, and some pairs nothing can: then both are right.
     return (name in finding['alternatives'] and bool(finding['advice'])
-            and any({finding['name'], name} <= group for group in INSEPARABLE))
+            and (finding['advice'].startswith(NO_MOTION)
+                 or any({finding['name'], name} <= group for group in INSEPARABLE)))
 
 
 def _belongs(finding, effect, kind):

@@ -1,5 +1,11 @@
 """Effects that look alike, and the motion that tells them apart."""
 
+import numpy as np
+
+# What is said of effects that ask for the same torque in every motion of the arm as it stands.
+NO_MOTION = 'no motion of the arm in this mounting separates'
+_SAME = 1e-6  # [-] of a column's length that may be left of it
+
 # Pairs that recordings may not separate, with the motion that would.
 PAIRS = {
     frozenset({'gravity_spring', 'link_inertia'}):
@@ -50,3 +56,16 @@ def advice(name, others):
     """Return the motions (a sentence each) that separate an effect from others."""
     found = [PAIRS[pair] for other in others if (pair := frozenset({name, other})) in PAIRS]
     return '; '.join(dict.fromkeys(found))
+
+
+def same_torque(simple, other):
+    """
+    Tell whether an effect can do nothing but what a simpler one does on the same joint.
+
+    simple (N, 1), other (N, k): their torque columns there. The first link of an upright arm is
+    such a case: it only turns about the joint's own axis, as the rotor does, so that recordings
+    give the sum of both inertias and nothing else.
+    """
+    axis = simple[:, 0] / max(np.linalg.norm(simple), 1e-300)
+    left = other - np.outer(axis, axis @ other)
+    return bool(np.linalg.norm(left) < _SAME * np.linalg.norm(other))

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..load import PRODUCT_ORDER
-from .confusable import advice
+from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
 from .pictures import picture
 from .trace import significant
@@ -44,7 +44,7 @@ def _finding(model, better, residual, trace, step, again, others, odd):
         chosen.name, tuple(robot.joints[j] for j in joints),
         _parameters(model, better, chosen), _explained(residual.residual, torque),
         _evidence(residual, trace, step, again, torque), step.alternatives,
-        _advice(chosen, step.alternatives),
+        separating_motion(residual, chosen, step.alternatives),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
         (chosen.variable,) if chosen.name == UNKNOWN else ())
@@ -58,10 +58,16 @@ def _evidence(residual, trace, step, again, torque):
                     rival and float(step.chosen.gain - rival.gain))
 
 
-def _advice(chosen, alternatives):
+def separating_motion(residual, chosen, alternatives):
+    """Return in words the motion that tells a Candidate from its alternatives' names, or ''."""
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
+    if chosen.joints == [0] and chosen.name == 'rotor_inertia' and 'link_inertia' in alternatives:
+        (rotor, _), = chosen.parts
+        if same_torque(rotor.columns[0], residual.columns[:, 0, :10]):
+            return (f'{NO_MOTION} them: the first link turns about the axis of its own joint '
+                    'only, as the rotor does; the model holds the sum of both')
     return advice(chosen.name, alternatives)
 
 
