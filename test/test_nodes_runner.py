@@ -1,0 +1,61 @@
+"""Signals: a node stops in order when told, also when told twice, and a hanging one ends too."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from ros_helpers import node_environment
+
+NODE = """
+import time
+from rclpy.node import Node
+from hand_load_estimator.nodes.runner import run_node
+
+class Stopping(Node):
+    def __init__(self):
+        super().__init__('stopping')
+        print('ready')
+
+    def stop(self):
+        print('stopping')
+        time.sleep({stopping})
+        print('stopped')
+
+raise SystemExit(run_node(Stopping))
+"""
+
+
+@pytest.fixture
+def node(domain, request):
+    """Return a process that runs a node whose stop() takes so many seconds."""
+    process = subprocess.Popen(
+        [sys.executable, '-c', NODE.format(stopping=request.param)], stdout=subprocess.PIPE,
+        env=node_environment(domain), text=True)
+    assert process.stdout.readline() == 'ready\n'
+    yield process
+    process.kill()
+    process.communicate()
+
+
+@pytest.mark.parametrize('node, signals', [
+    (0.5, [signal.SIGINT]), (0.5, [signal.SIGTERM]),
+    (0.5, [signal.SIGINT, signal.SIGINT]), (0.5, [signal.SIGINT, signal.SIGTERM])],
+    indirect=['node'])
+def test_told_once_or_twice_it_stops_in_order(node, signals):
+    # As Ctrl-C under `ros2 launch` does it: the terminal tells the node, and launch does.
+    for number in signals:
+        node.send_signal(number)
+        time.sleep(0.1)
+    assert node.wait(15.0) == 0
+    assert node.stdout.read() == 'stopping\nstopped\n'
+
+
+@pytest.mark.parametrize('node', [1000.0], indirect=True)
+def test_a_second_signal_ends_one_that_hangs(node):
+    node.send_signal(signal.SIGINT)
+    assert node.stdout.readline() == 'stopping\n'
+    time.sleep(1.2)
+    node.send_signal(signal.SIGTERM)
+    assert node.wait(15.0) == -signal.SIGTERM
