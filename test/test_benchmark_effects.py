@@ -354,7 +354,7 @@ def test_a_small_case_from_plant_to_result(small, tmp_path, monkeypatch):
     assert set(found['mass']) == {'before', 'after', 'without'}
     assert all(len(errors) == 1 for kind in found['mass'].values() for errors in kind.values())
     # What is there is read, not made again.
-    monkeypatch.setattr(effect_measure, 'case_result', None)
+    monkeypatch.setattr(effect_run, 'case_result', None)
     assert effect_run.run_cases([case], small, tmp_path / 'raw', workers=0) == [found]
     assert 'viscous_friction' in effects_markdown([found], '', '')
 
@@ -366,19 +366,17 @@ def test_what_cannot_be_made_is_skipped_with_its_reason(small, tmp_path):
     assert 'so strong' in found['skipped'] and not effect_rows([found])
 
 
-def test_a_broken_case_is_told_and_tried_again(tmp_path, monkeypatch):
-    def breaks(case, robot_path):
-        raise ValueError('broke')
-    monkeypatch.setattr(effect_measure, 'case_result', breaks)
+def test_a_broken_case_is_told_and_tried_again(tmp_path):
     case = EffectCase('clean', PLANT)
-    found, fresh = effect_run._measure(case, 'arm', tmp_path)
-    assert found['failed'] == 'ValueError: broke' and fresh and not list(tmp_path.iterdir())
+    (found,) = effect_run.run_cases([case], 'no such arm', tmp_path / 'raw', 1, lambda text: None)
+    assert found['failed'].startswith('ConfigurationError: ') and found['label'] == case.label
+    assert not list((tmp_path / 'raw').iterdir())
 
 
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Cases measured before are read by the workers, not measured again."""
     chosen = suite_cases(ur10e())[:3]
-    monkeypatch.setattr(effect_run, 'suite_cases', lambda robot: chosen)
+    monkeypatch.setattr(effect_run, 'suite_cases', lambda *_: chosen)
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'abc')
     raw, told = tmp_path / 'raw', []
     raw.mkdir()
@@ -386,7 +384,7 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
         hidden = [(h.name, (JOINT,) if h.joints else ()) for h in case.hidden]
         (raw / f'{case.label}.json').write_text(json.dumps(result(hidden, [], case.kind)))
     page = effect_run.run_effects('ur10e', tmp_path, 'the command', told.append)
-    assert 'the command' in page and told == ['3 of 3 cases are there']
+    assert 'the command' in page and told [0] == '3 of 3 are there'
     assert (tmp_path / 'README.md').read_text() == page
     assert json.loads((tmp_path / 'scores.json').read_text())['suite'] == 'effects'
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'def')
@@ -399,5 +397,10 @@ def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(effect_run, 'run_effects', lambda *args: called.append(args) or 'page')
     assert cli.main(['benchmark', '--suite', 'effects', '--out', str(tmp_path)]) == 0
     assert called[0][:2] == ('ur10e', str(tmp_path)) and 'page' in capsys.readouterr().out
-    assert cli.main(['benchmark', '--suite', 'effects', '--learned', 'x', '--out', 'y']) == 2
-    assert '--learned' in capsys.readouterr().err
+    assert called[0][-2:] == (None, False)
+    assert cli.main(['benchmark', '--suite', 'effects', '--development', '--workers', '1', '--out',
+                     str(tmp_path)]) == 0
+    assert called[1][-2:] == (1, True)
+    for option in ('--learned', '--methods', '--cases'):
+        assert cli.main(['benchmark', '--suite', 'effects', option, '7', '--out', 'y']) == 2
+        assert option in capsys.readouterr().err
