@@ -9,6 +9,7 @@ from pathlib import Path
 import time
 
 from ..errors import ConfigurationError
+from ..whole_file import whole_file
 from ..workers import end_with
 
 PROCESSES = 'processes'
@@ -24,9 +25,8 @@ def stored(measure, label, arguments, folder):
     if path.exists():
         return json.loads(path.read_text('utf-8')), False
     text = json.dumps(measure(*arguments))
-    part = path.with_suffix(f'.{os.getpid()}.part')
-    part.write_text(text, encoding='utf-8')
-    os.replace(part, path)
+    with whole_file(path) as part:
+        part.write_text(text, encoding='utf-8')
     # As the next run will read it: JSON makes lists of tuples.
     return json.loads(text), True
 
