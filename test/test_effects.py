@@ -264,8 +264,7 @@ def test_online_is_as_offline(name, samples):
     """The follower, sample by sample, gives what identification had for all rows at once."""
     model = model_with(four_axes(), (name,), {name: BOUND[name]},
                        {'shift': 0.05, 'travel': 0.02})
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
+    motion = Motion.of(samples)
     x, _ = motion_input(model.robot, motion, model.presliding_distance())
     columns = torque_columns(model.robot, model.layout, x, model.mean, motion.dt)
     plain = model.layout.plain_torque(columns, model.mean)
@@ -293,18 +292,24 @@ def test_a_restart_forgets_the_torque_before(samples):
     np.testing.assert_allclose(late, now, atol=1e-12)
 
 
+LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
+
+
+def along(model, samples):
+    """Return the Motion of samples, its EffectInput and the torque (N, n) [Nm] of LOAD."""
+    motion = Motion.of(samples)
+    x, _ = motion_input(model.robot, motion, model.presliding_distance())
+    return motion, x, np.array([model.robot.load_regressor(*row) @ LOAD.to_products()
+                                for row in zip(motion.q, motion.v, motion.a)])
+
+
 # Not base_tilt: what a leaning base does to a known load is left out of identification.
 @pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature',
                                   'load_dependent_friction', 'time_delay'])
 def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
     """K m online is what identification adds to the torque for a known load m."""
     model = model_with(four_axes(), (name,), {name: BOUND[name]})
-    load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    held = np.array([model.robot.load_regressor(*row) @ load.to_products()
-                     for row in zip(motion.q, motion.v, motion.a)])
+    motion, x, held = along(model, samples)
     empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, h)
                    @ model.mean for h in (None, held))
     if name == 'load_dependent_friction':
@@ -312,9 +317,9 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
         gear = columns_of_links(model, x)
         assert 0.01 < (np.sign(gear) != np.sign(gear + held)).mean() < 0.7
     follower = ModelFollower(model)
-    follower.carry(SimpleNamespace(mean=load.to_message()), SimpleNamespace(tared=np.zeros(10)))
+    follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
     seen = [follower.update(s) for s in samples]
-    through = np.array([s.effort - p.difference + p.load_columns @ load.to_products()
+    through = np.array([s.effort - p.difference + p.load_columns @ LOAD.to_products()
                         for s, p in zip(samples, seen)])
     np.testing.assert_allclose(through, full + held, atol=1e-9)
     assert np.abs(through - empty - held).max() > 0.02 * np.abs(held).max()
@@ -330,14 +335,9 @@ def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
     """A load that is believed to be held counts as a known one does in identification."""
     model = model_with(four_axes(), ('backlash',), {'backlash': BOUND['backlash']},
                        {'travel': 0.02})
-    load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    held = np.array([model.robot.load_regressor(*row) @ load.to_products()
-                     for row in zip(motion.q, motion.v, motion.a)])
+    motion, x, held = along(model, samples)
     full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, held) @ model.mean
-    belief = SimpleNamespace(mean=load.to_message())
+    belief = SimpleNamespace(mean=LOAD.to_message())
     followers = ModelFollower(model), ModelFollower(model)
     followers[1].carry(belief, SimpleNamespace(tared=np.zeros(10)))
     empty, known = (np.array([s.effort - f.update(s).difference for s in samples])
@@ -357,8 +357,7 @@ def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
         exact_model('four'), LoadParameters(), 3.0, rate=rate, size=1.2, noisy=False)]
     found = [s for s in found if s is not None]
     dt = np.array([s.dt for s in found])
-    motion = Motion(*(np.array([getattr(s, f) for s in found])
-                      for f in Motion.__dataclass_fields__))
+    motion = Motion.of(found)
     x, _ = motion_input(model.robot, motion, model.presliding_distance())
     offline = torque_columns(model.robot, model.layout, x, model.mean, dt) @ model.mean
     follower = ModelFollower(model)
