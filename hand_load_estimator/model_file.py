@@ -7,7 +7,6 @@ std changes just that; the covariance is rebuilt from standard deviations and co
 
 import hashlib
 import json
-from pathlib import Path
 
 import numpy as np
 import yaml
@@ -18,6 +17,7 @@ from .load import PRODUCT_ORDER
 from .robot import robot_from_content
 from .torque_columns import EffectUse
 from .torque_model import Residuals, TorqueModel
+from .whole_file import whole_file
 
 SCHEMA = 'hand_load/torque_model/1'
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
@@ -101,10 +101,11 @@ _HEADER = """\
 
 
 def write_model(path, model):
-    """Write a TorqueModel."""
+    """Write a TorqueModel; the file appears whole or not at all: a node may read it again."""
     text = yaml.dump(model_content(model), Dumper=_Dumper, sort_keys=False, width=10 ** 6,
                      allow_unicode=True)
-    Path(path).write_text(_HEADER + text, encoding='utf-8')
+    with whole_file(path) as part:
+        part.write_text(_HEADER + text, encoding='utf-8')
 
 
 def model_digest(model):
@@ -225,4 +226,3 @@ def _covariance(section, std):
                              'numbers in [-1, 1]')
             correlation[i, :i] = correlation[:i, i] = row
     return correlation * np.outer(std, std)
-

@@ -32,7 +32,7 @@ def play(domain, rate, seconds):
         feeder = Feeder(listener)
         feeder.wait()
         late = 0.0
-        # Serialised beforehand, because a driver written in C++ takes no processor time to speak of.
+        # Serialised beforehand: a driver written in C++ takes no processor time to speak of.
         messages = [bytearray(serialize_message(joint_state(feeder.joints, 0, q, v, effort)))
                     for _, q, v, effort in samples]
         begun = time.monotonic()

@@ -1,10 +1,8 @@
-"""The effects suite: cases as stated, judged as stated, errors against the plant's own figures."""
+"""The effects suite: judged as stated, scored, run from plant to page."""
 
-from collections import Counter
-from dataclasses import replace
 import json
 
-from core_helpers import effect_uses, exact_model, four_axes, messages, recording_of
+from core_helpers import four_axes
 import numpy as np
 from plant_helpers import ur10e
 import pytest
@@ -12,84 +10,18 @@ import yaml
 
 from hand_load_estimator import cli, seeds
 from hand_load_estimator.benchmark import cases, effect_measure, effect_recordings, effect_run
-from hand_load_estimator.benchmark.effect_cases import (EffectCase, Hidden, load_seeds, place,
-                                                        suite_cases)
-from hand_load_estimator.benchmark.effect_errors import torque_rmse
+from hand_load_estimator.benchmark.effect_cases import EffectCase, Hidden, suite_cases
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_page import effects_markdown
 from hand_load_estimator.benchmark.effect_scores import (confusions, effect_rows, pair_rows,
                                                          totals, verdicts)
-from hand_load_estimator.benchmark.effect_truth import COMPARABLE, model_change, true_change
-from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.identification import identify, prepare
-from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.joint_stream import motion_of
-from hand_load_estimator.plant.hidden import EFFECTS
+from hand_load_estimator.identification import identify
 from hand_load_estimator.residual.confusable import NO_MOTION
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Diagnosis, Evidence, Finding
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 JOINT, OTHER = 'elbow_joint', 'wrist_1_joint'
-
-
-# Cases.
-
-def test_the_suite_holds_what_the_issue_asks_for():
-    suite = suite_cases(ur10e())
-    assert Counter(c.kind for c in suite) == {'single': 120, 'pair': 12, 'clean': 20,
-                                              'outside': 4}
-    assert len({c.label for c in suite}) == len(suite)
-    singles = Counter((h.name, h.strength) for c in suite if c.kind == 'single' for h in c.hidden)
-    names = set(EFFECTS) - {'speed_resonance_friction', 'swinging_load'}
-    assert singles == {(name, s): 2 for name in names for s in (0.5, 2.0, 5.0)}
-    assert {h.name for c in suite if c.kind == 'outside' for h in c.hidden} \
-        == {'speed_resonance_friction', 'swinging_load'}
-    assert len({c.plant for c in suite if c.kind == 'clean'}) == 20
-    assert [c.plant for c in suite] == sorted(c.plant for c in suite)
-    for case in suite:
-        assert len({h.name for h in case.hidden}) == len(case.hidden)
-
-
-def test_the_same_seeds_give_the_same_cases_and_development_others():
-    robot = ur10e()
-    assert suite_cases(robot) == suite_cases(robot)
-    plants = {c.plant for c in suite_cases(robot)}
-    looked_at = {c.plant for c in suite_cases(robot, development=True)}
-    accuracy = {plant for plant, _ in cases_of(SUITES['base'], 2000)}
-    assert plants <= set(seeds.BENCHMARK_PLANTS) and not plants & accuracy
-    assert looked_at <= set(range(540, 600))
-
-
-def test_loads_are_of_no_other_plant_or_suite():
-    plants = sorted({c.plant for c in suite_cases(ur10e())})
-    drawn = [seed for plant in plants for seed in load_seeds(plant, 6)]
-    assert len(set(drawn)) == 6 * len(plants) and set(drawn) <= set(seeds.BENCHMARK_CASES)
-    accuracy = {seed for _, part in cases_of(SUITES['base'], 2000) for seed in part}
-    assert not set(drawn) & accuracy
-    assert set(load_seeds(545, 6)) <= set(seeds.DEVELOPMENT_CASES)
-
-
-def test_an_effect_goes_where_it_can_be_so_strong():
-    """Gravity never lets go of the shoulder's teeth: backlash takes the next joint."""
-    robot = ur10e()
-    lift, elbow = (robot.joints.index(name) for name in ('shoulder_lift_joint', JOINT))
-    case = EffectCase('single', PLANT, (Hidden('backlash', 2.0, (lift, elbow)),))
-    assert place(robot, case) == [{'name': 'backlash', 'strength': 2.0, 'joints': [JOINT]}]
-    impossible = Hidden('temperature_dependent_viscous_friction', 500.0, (0, 1))
-    with pytest.raises(ConfigurationError, match='viscous.*so strong on any joint'):
-        place(robot, EffectCase('single', PLANT, (impossible,)))
-
-
-def test_effects_of_a_pair_take_different_joints():
-    pair = (Hidden('torque_offset', 3.0, (2, 1)), Hidden('torque_scale', 3.0, (2, 4)))
-    first, second = place(ur10e(), EffectCase('pair', PLANT, pair))
-    assert (first['joints'], second['joints']) == ([JOINT], ['wrist_2_joint'])
-
-
-def test_effects_of_the_whole_arm_name_no_joint():
-    case = EffectCase('single', PLANT, (Hidden('base_tilt', 2.0),))
-    assert place(ur10e(), case) == [{'name': 'base_tilt', 'strength': 2.0}]
 
 
 # Outcomes.
@@ -256,68 +188,6 @@ def test_the_page_shows_what_was_measured():
     assert 's: not so strong' in page and 'f: ValueError: broke' in page
 
 
-# Figures against the plant's.
-
-@pytest.mark.parametrize('name, parameters, expected', [
-    ('torque_ripple', {'torque': 3.0, 'periods': 71.0}, {'amplitude': 3.0, 'periods': 71.0}),
-    ('gravity_spring', {'stiffness': 30.0, 'angle': 0.5}, {'stiffness': 30.0}),
-    ('base_tilt', {'angle': 0.05}, {'angle': 0.05}),
-    ('viscous_friction', {'coefficient': 4.0}, {'coefficient': 4.0}),
-    ('temperature_dependent_coulomb_friction', {'fall': 0.02}, {'slope': -0.02}),
-    ('torque_scale', {'gain': 0.25}, {'gain': 0.25}),
-    ('time_delay', {'delay': 0.02}, {'delay': 0.02}),
-    ('cable_drag', {'torque': 3.0}, {})])
-def test_what_an_effect_adds_is_read_off_the_plant(name, parameters, expected):
-    entry = {'name': name, 'parameters': parameters}
-    if EFFECTS[name].per_joint:
-        entry['joints'] = [JOINT]
-    assert true_change(ur10e(), PLANT, entry) == pytest.approx(expected)
-
-
-def test_comparable_figures_are_figures_of_the_models_effects():
-    from hand_load_estimator.effects import EFFECTS as MODEL_EFFECTS
-    for name, figures in COMPARABLE.items():
-        effect = MODEL_EFFECTS[name]
-        known = {p for p, _ in effect.parameters} | {shape.name for shape in effect.shapes}
-        if effect.derived:
-            known |= set(effect.derived(np.ones(len(effect.parameters)), effect.default_shape()))
-        assert set(figures) <= known | {'angle'}, name
-
-
-def test_what_a_diagnosis_adds_is_a_change_of_the_model():
-    before = exact_model('four')
-    robot, joint = before.robot, 2
-    mean = before.mean.copy()
-    (where,) = [w for use, w in before.slices()
-                if use.name == 'viscous_friction' and use.joint == joint]
-    mean[where] += 1.5
-    after = replace(before, mean=mean)
-    entry = {'name': 'viscous_friction', 'joints': [robot.joints[joint]]}
-    assert model_change(robot, before, after, entry) == pytest.approx({'coefficient': 1.5})
-    spring = {'name': 'gravity_spring', 'joints': [robot.joints[joint]]}
-    uses = (*before.uses, *effect_uses(robot, ('gravity_spring',)))
-    sprung = replace(before, uses=uses, mean=np.concatenate(
-        [before.mean, np.tile([3.0, 4.0], robot.n)]), covariance=None)
-    assert model_change(robot, before, sprung, spring) == pytest.approx({'stiffness': 5.0})
-    assert model_change(robot, sprung, before, spring) == pytest.approx({'stiffness': -5.0})
-
-
-def test_torque_error_is_what_the_model_leaves_while_joints_move():
-    model = exact_model('four')
-    stream = messages(model, LoadParameters(), 5.0, noisy=False, rest=2.0)
-    motion, _ = motion_of(model.robot, recording_of(stream, model.robot.joints))
-    evidence = prepare(model.robot, 'made up', motion, LoadParameters())
-    off = np.array([0.5, 1.0, 1.5, 2.0])
-    (where,) = [w for use, w in model.slices() if use.name == 'torque_offset' and use.joint == 1]
-    mean = model.mean.copy()
-    mean[where] -= off[1]
-    clean, wrong = torque_rmse(model, [evidence]), torque_rmse(replace(model, mean=mean),
-                                                              [evidence])
-    assert np.all(clean < 0.3 * off)
-    assert wrong[1] == pytest.approx(np.hypot(off[1], clean[1]), rel=0.1)
-    np.testing.assert_allclose(np.delete(wrong, 1), np.delete(clean, 1))
-
-
 # Runs.
 
 def identified_again(model, evidence, test):
@@ -359,7 +229,7 @@ def test_a_small_case_from_plant_to_result(small, tmp_path, monkeypatch):
     assert set(found['mass']) == {'before', 'after', 'without'}
     assert all(len(errors) == 1 for kind in found['mass'].values() for errors in kind.values())
     # What is there is read, not made again.
-    monkeypatch.setattr(effect_measure, 'case_result', None)
+    monkeypatch.setattr(effect_run, 'case_result', None)
     assert effect_run.run_cases([case], small, tmp_path / 'raw', workers=0) == [found]
     assert 'viscous_friction' in effects_markdown([found], '', '')
 
@@ -371,19 +241,17 @@ def test_what_cannot_be_made_is_skipped_with_its_reason(small, tmp_path):
     assert 'so strong' in found['skipped'] and not effect_rows([found])
 
 
-def test_a_broken_case_is_told_and_tried_again(tmp_path, monkeypatch):
-    def breaks(case, robot_path):
-        raise ValueError('broke')
-    monkeypatch.setattr(effect_measure, 'case_result', breaks)
+def test_a_broken_case_is_told_and_tried_again(tmp_path):
     case = EffectCase('clean', PLANT)
-    found, fresh = effect_run._measure(case, 'arm', tmp_path)
-    assert found['failed'] == 'ValueError: broke' and fresh and not list(tmp_path.iterdir())
+    (found,) = effect_run.run_cases([case], 'no such arm', tmp_path / 'raw', 1, lambda text: None)
+    assert found['failed'].startswith('ConfigurationError: ') and found['label'] == case.label
+    assert not list((tmp_path / 'raw').iterdir())
 
 
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Cases measured before are read by the workers, not measured again."""
     chosen = suite_cases(ur10e())[:3]
-    monkeypatch.setattr(effect_run, 'suite_cases', lambda robot: chosen)
+    monkeypatch.setattr(effect_run, 'suite_cases', lambda *_: chosen)
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'abc')
     raw, told = tmp_path / 'raw', []
     raw.mkdir()
@@ -391,7 +259,7 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
         hidden = [(h.name, (JOINT,) if h.joints else ()) for h in case.hidden]
         (raw / f'{case.label}.json').write_text(json.dumps(result(hidden, [], case.kind)))
     page = effect_run.run_effects('ur10e', tmp_path, 'the command', told.append)
-    assert 'the command' in page and told == ['3 of 3 cases are there']
+    assert 'the command' in page and told[0] == '3 of 3 are there'
     assert (tmp_path / 'README.md').read_text() == page
     assert json.loads((tmp_path / 'scores.json').read_text())['suite'] == 'effects'
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'def')
@@ -404,5 +272,10 @@ def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(effect_run, 'run_effects', lambda *args: called.append(args) or 'page')
     assert cli.main(['benchmark', '--suite', 'effects', '--out', str(tmp_path)]) == 0
     assert called[0][:2] == ('ur10e', str(tmp_path)) and 'page' in capsys.readouterr().out
-    assert cli.main(['benchmark', '--suite', 'effects', '--learned', 'x', '--out', 'y']) == 2
-    assert '--learned' in capsys.readouterr().err
+    assert called[0][-2:] == (None, False)
+    assert cli.main(['benchmark', '--suite', 'effects', '--development', '--workers', '1', '--out',
+                     str(tmp_path)]) == 0
+    assert called[1][-2:] == (1, True)
+    for option in ('--learned', '--methods', '--cases'):
+        assert cli.main(['benchmark', '--suite', 'effects', option, '7', '--out', 'y']) == 2
+        assert option in capsys.readouterr().err

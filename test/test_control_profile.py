@@ -68,3 +68,5 @@ def test_the_knots_sent_are_the_move_planned():
     t = np.linspace(0.0, move.duration, 777)
     for knots, planned in zip(move.trajectory().sample(t), move.points(t)):
         np.testing.assert_allclose(knots, planned, atol=1e-9)
+    assert not move.trajectory().velocity[-1].any(), 'rest, without rounding'
+    assert not move.trajectory().acceleration[-1].any()

@@ -137,6 +137,14 @@ def test_e2_6_a_bayesian_network_is_fitted_to_the_process(learned, monkeypatch):
     compare(teacher, draws)
 
 
+def test_e2_6_recordings_too_short_for_a_neural_process_are_refused():
+    rows = slice(2 * neural_process.STRETCH - 1)
+    few = replace(data(), **{name: getattr(data(), name)[rows] for name in (
+        'inputs', 'difference', 'worth', 'owner', 'dt')})
+    with pytest.raises(ConfigurationError, match='too short'):
+        neural_process.learn_neural_process(few, 1)
+
+
 def compare(teacher, pupil):
     """Hold a pupil to the teacher: mean close to it, doubt at least as large and near it."""
     mean, std = answers(teacher, speeds(reach=0.4))

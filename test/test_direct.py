@@ -1,33 +1,24 @@
 """Networks straight to the load: rows E1.3, E1.4, E1.5, E1.6, E6.1 and E6.2 of the reference."""
 
-import json
-
-from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+from core_helpers import block, exact_model, feed, four_axes, messages
+from direct_helpers import artefact_of, design_of, inputs, network_of, pipeline_with
 import numpy as np
 import pytest
-from safetensors.numpy import load_file, save_file as save_arrays
 from safetensors.torch import save_file
 import torch
 
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.estimators.build import build_method, determined_std, shipped_artefact
-from hand_load_estimator.estimators.contact_gate import ContactGate
-from hand_load_estimator.estimators.direct import Direct
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.pipeline import Pipeline
-from hand_load_estimator.learning.direct_artefact import (read_direct_artefact,
-                                                          write_direct_artefact)
 from hand_load_estimator.learning.direct_calibration import (calibrate_direct, calibrated,
-                                                             factors_of, RANGES)
-from hand_load_estimator.learning.direct_design import Design, design_for, NETWORKS
-from hand_load_estimator.learning.direct_network import build_network, inputs_of, Judge
+                                                             factors_of)
+from hand_load_estimator.learning.direct_design import design_for, NETWORKS
+from hand_load_estimator.learning.direct_network import build_network, Judge
 from hand_load_estimator.learning.direct_shards import load_torque, make_direct_shard
 from hand_load_estimator.learning.direct_training import DirectRecipe, Loss
 from hand_load_estimator.learning.sequences import SequenceMaker
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.model_follower import ModelFollower
 
 RECURRENT = ('lstm_direct', 'gru', 'elman')
 
@@ -45,49 +36,6 @@ def robot(model):
 @pytest.fixture(scope='module')
 def shard(model, robot):
     return make_direct_shard(SequenceMaker(model), robot, range(6))
-
-
-def design_of(robot, network='gru', **changes):
-    """Return a small Design."""
-    content = {**vars(design_for(robot, network)), 'hidden': 12, 'copies': 5, **changes}
-    return Design(**content)
-
-
-def network_of(robot, design, seed=1, size=0.3):
-    """Return a network whose heads say something of that size."""
-    torch.manual_seed(seed)
-    network = build_network(robot, design)
-    with torch.no_grad():
-        for name, value in network.named_parameters():
-            if 'head' in name:
-                value.normal_(0.0, size)
-    return network.eval()
-
-
-def inputs(robot, joints=None, count=40, seed=0):
-    """Return x (2, count, 5 k + 1) of random motion."""
-    rng = np.random.default_rng(seed)
-    parts = [torch.tensor(rng.normal(size=(2, count, robot.n)), dtype=torch.float32)
-             for _ in range(5)]
-    picked = list(range(robot.n)) if joints is None else joints
-    return inputs_of(robot, picked, parts[:3], 10.0 * parts[3], 10.0 * parts[4])
-
-
-def artefact_of(folder, robot, network, factor=1.0):
-    """Write a network as an artefact and return it as it is read."""
-    shape = (len(network.design.parameters), RANGES)
-    card = {'joints': list(robot.joints), 'effort_kind': robot.effort.kind,
-            'network': network.design.network, 'recipe': {'design': vars(network.design)}}
-    write_direct_artefact(folder, network, np.tile(np.arange(RANGES), (shape[0], 1)),
-                          np.full(shape, factor), card)
-    return read_direct_artefact(folder, robot, network.design.network)
-
-
-def pipeline_with(model, artefact):
-    """Return a Pipeline with a direct method."""
-    follower = ModelFollower(model)
-    return warm(Pipeline(model, follower, Direct(model, follower.uncertainties, artefact),
-                         determined_std(model.robot)))
 
 
 @pytest.mark.parametrize('name', NETWORKS)
@@ -308,117 +256,6 @@ def test_calibration_asks_the_network_on_shards(tmp_path, robot, shard):
     healthy = [0.0] * 6
     np.testing.assert_allclose(factors(2.0, healthy), 2.0 * factors(1.0, healthy), rtol=1e-4)
     assert (factors(1.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0])[0] != factors(1.0, healthy)[0]).any()
-
-
-# As a method.
-
-@pytest.fixture(scope='module')
-def artefact(tmp_path_factory, robot):
-    return artefact_of(tmp_path_factory.mktemp('gru'), robot, network_of(robot, design_of(robot)))
-
-
-def test_the_method_answers_what_the_network_answers_in_training(robot, artefact):
-    model = exact_model('four')
-    pipeline, seen = pipeline_with(model, artefact), []
-    update = pipeline.method.update
-
-    def spied(sample, prediction):
-        seen.append((sample, prediction))
-        return update(sample, prediction)
-
-    pipeline.method.update = spied
-    last = feed(pipeline, messages(model, block(2.0), 3.0))[-1]
-    parts = [np.array([getattr(s, name) for s, _ in seen]) for name in ('q', 'v', 'a')]
-    parts += [np.array([p.difference for _, p in seen]),
-              np.array([s.temperature for s, _ in seen]) - robot.reference_temperature]
-    q, v, a, difference, warmth = torch.tensor(np.array(parts), dtype=torch.float32)[:, None]
-    with torch.no_grad():
-        mean, std, _ = artefact.network(inputs_of(robot, [0, 1, 2, 3], (q, v, a), difference,
-                                                  warmth))
-    np.testing.assert_allclose(last.mean, mean[0, -1], rtol=1e-4, atol=1e-6)
-    np.testing.assert_allclose(last.std, std[0, -1], rtol=1e-4)
-
-
-def test_a_changed_load_restarts_the_network_in_step_with_bayes(artefact):
-    model = exact_model('four')
-    stream = messages(model, block(0.5), 3.5, change=(1.8, block(3.0)))
-    bayes, ours = warm(pipeline_of(model)), pipeline_with(model, artefact)
-    plain, said = feed(bayes, stream), feed(ours, stream)
-    assert [e.load_id for e in said] == [e.load_id for e in plain] and ours.load_id > 0
-
-
-def test_samples_of_a_contact_do_not_reach_the_network(artefact, monkeypatch):
-    model = exact_model('four')
-    stream = messages(model, block(2.0), 2.4)
-    pipeline = pipeline_with(model, artefact)
-    before = feed(pipeline, stream[:len(stream) // 2])[-1]
-    for name in ('update', 'refuses'):
-        monkeypatch.setattr(ContactGate, name, lambda *_: True)
-    after = feed(pipeline, stream[len(stream) // 2:])[-1]
-    np.testing.assert_array_equal(after.mean, before.mean)
-    monkeypatch.undo()
-    free = feed(pipeline_with(model, artefact), stream)[-1]
-    assert np.abs(free.mean - before.mean).max() > 1e-4
-
-
-def test_reset_returns_to_the_prior_and_tare_takes_the_load_off(artefact):
-    model = exact_model('four')
-    stream = messages(model, block(2.0), 1.8)
-    pipeline = pipeline_with(model, artefact)
-    fresh = pipeline.estimate(0.0)
-    held = feed(pipeline, stream)[-1]
-    pipeline.reset()
-    np.testing.assert_array_equal(pipeline.estimate(0.0).mean, fresh.mean)
-    feed(pipeline, stream)
-    pipeline.tare()
-    assert pipeline.tared_mass == pytest.approx(2.0, abs=0.15)
-    later = [type(m)(m.stamp + 3.5, *list(vars(m).values())[1:]) for m in stream]
-    tared = feed(pipeline, later)[-1]
-    empty = feed(pipeline_with(model, artefact), messages(model, block(1e-6), 1.8))[-1]
-    np.testing.assert_allclose(tared.mean, empty.mean, atol=0.1 * np.abs(held.mean - empty.mean)
-                               .max())
-    assert tared.std[0] > empty.std[0]
-
-
-def test_the_card_decides_which_artefact_is_found(tmp_path, robot, artefact, monkeypatch):
-    from hand_load_estimator.estimators import build
-    monkeypatch.setattr(build, 'share_folder', lambda: tmp_path)
-    for name in ('elman', 'gru'):
-        folder = tmp_path / 'config' / 'learned' / f'four_{name}'
-        artefact_of(folder, robot, network_of(robot, design_of(robot, name)))
-        assert shipped_artefact(robot, name) == folder
-    assert shipped_artefact(robot) is None and shipped_artefact(robot, 'feedforward') is None
-    model = exact_model('four')
-    for name, becomes in (('elman', 'elman'), ('feedforward', 'bayes'), ('lstm', 'bayes')):
-        assert build_method(model, ModelFollower(model).uncertainties, name).name == becomes
-
-
-@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'a tensor missing', 'a NaN',
-                                 'factors of nothing', 'joints of another robot'])
-def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
-    artefact_of(tmp_path, robot, network_of(robot, design_of(robot)))
-    card = json.loads((tmp_path / 'card.json').read_text())
-    weights = tmp_path / 'network.safetensors'
-    tensors = {k: v.copy() for k, v in load_file(weights).items()}
-    if how == 'network':
-        card['network'] = 'elman'
-    elif how == 'joints':
-        card['joints'] = ['a', 'b', 'c', 'd']
-    elif how == 'design':
-        del card['recipe']['design']['hidden'], card['recipe']['design']['network']
-    elif how == 'joints of another robot':
-        card['recipe']['design']['joints'] = ['a', 'j1', 'j2', 'j3']
-    elif how == 'a tensor missing':
-        del tensors['network.head.bias']
-    elif how == 'a NaN':
-        tensors['network.head.bias'][0] = np.nan
-    else:
-        tensors['factors'][:] = 0.0
-    (tmp_path / 'card.json').write_text(json.dumps(card))
-    save_arrays(tensors, weights)
-    with pytest.raises(ConfigurationError) as caught:
-        read_direct_artefact(tmp_path, robot, 'gru')
-    assert str(tmp_path) in str(caught.value)
 
 
 def test_all_ten_parameters_are_asked_for_unless_said_otherwise():

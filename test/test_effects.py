@@ -19,6 +19,7 @@ from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, Eff
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 DT = 0.02
+LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 ALWAYS = ('q', 'v', 'a', 'warmth', 'z')
 # Values of the effects that depend on torques, large enough to be seen in one.
 BOUND = {'base_tilt': (0.02, -0.03), 'load_dependent_friction': (0.05,),
@@ -247,16 +248,29 @@ def model_with(robot, names, values, shape=None):
         noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('made up',), (15.0, 45.0))
 
 
-@pytest.fixture(scope='module')
-def samples():
-    """Return MotionSamples of 5 s at 125 Hz through the filter, warm joints."""
-    plain = exact_model('four')
+def filtered(seconds, rate):
+    """Return MotionSamples of a motion at a rate [Hz] through the filter, warm joints."""
     motion = MotionFilter(4)
     for joint in range(4):
         motion.set_temperature(joint, 37.0)
     found = [motion.update(m.stamp, m.position, m.velocity, m.effort) for m in messages(
-        plain, LoadParameters(), 5.0, rate=125.0, size=1.2, noisy=False)]
+        exact_model('four'), LoadParameters(), seconds, rate=rate, size=1.2, noisy=False)]
     return [s for s in found if s is not None]
+
+
+def along(model, samples):
+    """Return the Motion of samples, its EffectInput and the torque (N, n) [Nm] of LOAD."""
+    motion = Motion(*(np.array([getattr(s, name) for s in samples])
+                      for name in Motion.__dataclass_fields__))
+    x, _ = motion_input(model.robot, motion, model.presliding_distance())
+    return motion, x, np.array([model.robot.load_regressor(*row) @ LOAD.to_products()
+                                for row in zip(motion.q, motion.v, motion.a)])
+
+
+@pytest.fixture(scope='module')
+def samples():
+    """Return MotionSamples of 5 s at 125 Hz."""
+    return filtered(5.0, 125.0)
 
 
 @pytest.mark.parametrize('name', BOUND)
@@ -264,9 +278,7 @@ def test_online_is_as_offline(name, samples):
     """The follower, sample by sample, gives what identification had for all rows at once."""
     model = model_with(four_axes(), (name,), {name: BOUND[name]},
                        {'shift': 0.05, 'travel': 0.02})
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
+    motion, x, _ = along(model, samples)
     columns = torque_columns(model.robot, model.layout, x, model.mean, motion.dt)
     plain = model.layout.plain_torque(columns, model.mean)
     bound = columns @ model.mean - plain
@@ -299,12 +311,7 @@ def test_a_restart_forgets_the_torque_before(samples):
 def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
     """K m online is what identification adds to the torque for a known load m."""
     model = model_with(four_axes(), (name,), {name: BOUND[name]})
-    load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    held = np.array([model.robot.load_regressor(*row) @ load.to_products()
-                     for row in zip(motion.q, motion.v, motion.a)])
+    motion, x, held = along(model, samples)
     empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, h)
                    @ model.mean for h in (None, held))
     if name == 'load_dependent_friction':
@@ -312,9 +319,9 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
         gear = columns_of_links(model, x)
         assert 0.01 < (np.sign(gear) != np.sign(gear + held)).mean() < 0.7
     follower = ModelFollower(model)
-    follower.carry(SimpleNamespace(mean=load.to_message()), SimpleNamespace(tared=np.zeros(10)))
+    follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
     seen = [follower.update(s) for s in samples]
-    through = np.array([s.effort - p.difference + p.load_columns @ load.to_products()
+    through = np.array([s.effort - p.difference + p.load_columns @ LOAD.to_products()
                         for s, p in zip(samples, seen)])
     np.testing.assert_allclose(through, full + held, atol=1e-9)
     assert np.abs(through - empty - held).max() > 0.02 * np.abs(held).max()
@@ -330,14 +337,9 @@ def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
     """A load that is believed to be held counts as a known one does in identification."""
     model = model_with(four_axes(), ('backlash',), {'backlash': BOUND['backlash']},
                        {'travel': 0.02})
-    load = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
-    motion = Motion(*(np.array([getattr(s, f) for s in samples])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    held = np.array([model.robot.load_regressor(*row) @ load.to_products()
-                     for row in zip(motion.q, motion.v, motion.a)])
+    motion, x, held = along(model, samples)
     full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, held) @ model.mean
-    belief = SimpleNamespace(mean=load.to_message())
+    belief = SimpleNamespace(mean=LOAD.to_message())
     followers = ModelFollower(model), ModelFollower(model)
     followers[1].carry(belief, SimpleNamespace(tared=np.zeros(10)))
     empty, known = (np.array([s.effort - f.update(s).difference for s in samples])
@@ -352,15 +354,9 @@ def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
     # A search goes on between the grid's values and beyond the last.
     longest = 1.4 * max(EFFECTS['time_delay'].shapes[0].grid)
     model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)}, {'shift': longest})
-    motion = MotionFilter(4)
-    found = [motion.update(m.stamp, m.position, m.velocity, m.effort) for m in messages(
-        exact_model('four'), LoadParameters(), 3.0, rate=rate, size=1.2, noisy=False)]
-    found = [s for s in found if s is not None]
-    dt = np.array([s.dt for s in found])
-    motion = Motion(*(np.array([getattr(s, f) for s in found])
-                      for f in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    offline = torque_columns(model.robot, model.layout, x, model.mean, dt) @ model.mean
+    found = filtered(3.0, rate)
+    motion, x, _ = along(model, found)
+    offline = torque_columns(model.robot, model.layout, x, model.mean, motion.dt) @ model.mean
     follower = ModelFollower(model)
     online = np.array([s.effort - follower.update(s).difference for s in found])
     np.testing.assert_allclose(online, offline, atol=1e-9)

@@ -109,7 +109,8 @@ def test_plant_knows_only_load_and_robot():
 
 @pytest.mark.parametrize('start', [
     'nodes.estimator_node', 'nodes.controller_node', 'estimators.build', 'torque_model',
-    'commands.estimate', 'commands.identify', 'commands.train', 'commands.learn_gp'])
+    'commands.estimate', 'commands.identify', 'commands.train', 'commands.learn_gp',
+    'commands.diagnose'])
 def test_what_estimates_and_learns_never_reaches_the_plant(start):
     reached = reached_from(f'{PACKAGE}.{start}')
     assert f'{PACKAGE}.{start}' in reached, 'the module is not there'

@@ -190,8 +190,9 @@ def test_a_few_steps_from_the_last_solution_arrive():
     half = posterior(information_of(columns[:50], torque[:50])).shape
     whole = information_of(columns, torque).load_share()
     shape, covariance = shape_posterior(*whole, prior, half)
+    best = shape
     for _ in range(20):
-        best, _ = shape_posterior(*whole, prior, shape if _ == 0 else best)
+        best, _ = shape_posterior(*whole, prior, best)
     assert (np.abs(shape - best) < 1e-3 * np.sqrt(np.diag(covariance))).all()
 
 

@@ -113,7 +113,8 @@ def test_killed_it_goes_on_where_it_was(start, listener, tmp_path):
         feeder.play(standing())
         if again.heard['load_variance']:
             break
-    listener.until(lambda: again.heard['load_variance'], 5.0, 'an estimate')
+    listener.until(lambda: again.heard['load'] and again.heard['load_variance'], 5.0,
+                   'an estimate')
     load, variance = again.heard['load'][0].inertia, again.heard['load_variance'][0].inertia
     assert abs(load.m - mass) < std and 0.8 * std < math.sqrt(variance.m) < 1.25 * std
     assert again.values()['load_id'] == load_id, 'the same load, as far as a standing arm tells'

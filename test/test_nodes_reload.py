@@ -143,7 +143,8 @@ def test_a_model_that_does_not_fit_is_refused(estimator, feeder, listener, files
     listener.spin(0.2)
     assert estimator.mass() == before and estimator.values()['determined'].startswith('1')
     play(feeder, listener, arm_samples())
-    assert int(estimator.said('estimate')[1]['samples']) > 400
+    listener.until(lambda: int(estimator.said('estimate')[1]['samples']) > 400, 5.0,
+                   'samples taken after the refusals')
 
 
 def test_an_aged_model_is_told(estimator, feeder, listener, files):

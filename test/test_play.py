@@ -73,7 +73,6 @@ def test_play_is_followed_sample_by_sample():
     np.testing.assert_allclose(np.concatenate(parts), whole)
 
 
-
 def test_a_link_without_inertia_is_across_at_once():
     """A robot file drafted from a URDF without masses has such links."""
     t = np.arange(-1.0, 2.0, FINE)[:, None]

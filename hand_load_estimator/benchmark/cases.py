@@ -88,13 +88,13 @@ def simulated(robot, motion, **arguments):
         robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments)))
 
 
-def identification_evidence(robot, plant, effects=()):
+def identification_evidence(robot, plant):
     """Return the Evidence of a plant's no-load recordings."""
     out = []
     for k, (name, temperature, seconds) in enumerate(IDENTIFICATION):
         motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
         samples = simulated(robot, motion, seed=plant, run=k + 1,
-                            start_temperature=temperature, effects=effects)
+                            start_temperature=temperature)
         label = f'plant {plant}, {name} at {temperature:g} degC'
         out.append(prepare(robot, label, Motion.of(samples), LoadParameters()))
     return out

@@ -1,8 +1,5 @@
 """One case from plant to result: hide the effects, record, diagnose, judge the better model."""
 
-import json
-import os
-from pathlib import Path
 import time
 
 import numpy as np
@@ -23,19 +20,6 @@ def diagnosis_of(model, evidence, test):
     began = time.perf_counter()
     diagnosis, better = diagnose(model, list(evidence), list(test), progress=lambda text: None)
     return diagnosis, better, time.perf_counter() - began
-
-
-def measure_case(case, robot_path, folder):
-    """Write folder/<label>.json of an EffectCase unless it is there; return its path."""
-    path = Path(folder) / f'{case.label}.json'
-    if path.exists():
-        return path
-    result = case_result(case, robot_path)
-    # Its own name: a worker of a killed run may still be at it.
-    part = path.with_suffix(f'.{os.getpid()}.part')
-    part.write_text(json.dumps(result), encoding='utf-8')
-    os.replace(part, path)
-    return path
 
 
 def case_result(case, robot_path):

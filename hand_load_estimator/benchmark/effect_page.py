@@ -1,7 +1,5 @@
 """The result page of the effects suite: Markdown tables."""
 
-import numpy as np
-
 from .document import markdown_table
 from .effect_outcome import RIGHT
 from .effect_recordings import DIAGNOSED, LOADED

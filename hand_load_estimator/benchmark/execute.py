@@ -9,6 +9,7 @@ from pathlib import Path
 import time
 
 from ..errors import ConfigurationError
+from ..whole_file import whole_file
 from ..workers import end_with
 
 PROCESSES = 'processes'
@@ -23,22 +24,23 @@ def stored(measure, label, arguments, folder):
     path = Path(folder) / f'{label}.json'
     if path.exists():
         return json.loads(path.read_text('utf-8')), False
-    content = measure(*arguments)
-    part = path.with_suffix(f'.{os.getpid()}.part')
-    part.write_text(json.dumps(content), encoding='utf-8')
-    os.replace(part, path)
-    return content, True
+    text = json.dumps(measure(*arguments))
+    with whole_file(path) as part:
+        part.write_text(text, encoding='utf-8')
+    # As the next run will read it: JSON makes lists of tuples.
+    return json.loads(text), True
 
 
 def measure_all(measure, jobs, folder, workers=None, backend=PROCESSES, write=print,
-                alone=False):
+                alone=False, failures=None):
     """
     Return {label: content} of jobs {label: arguments}, in their order.
 
     measure: a function of a module. workers: processes (None: one per core; 0: this process).
     backend: `processes`, or one of joblib's (loky, dask, ray, ...) where joblib is installed. A
     job that raises in a worker is told and left out; the next run tries it again. alone: one job
-    at a time, each in a process of its own, here and not on the cluster.
+    at a time, each in a process of its own, here and not on the cluster. failures: a dict that
+    takes {label: why} of the jobs left out.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -54,6 +56,8 @@ def measure_all(measure, jobs, folder, workers=None, backend=PROCESSES, write=pr
         done += 1
         if failure:
             write(f'{label} failed: {failure}')
+            if failures is not None:
+                failures[label] = failure
             continue
         results[label] = content
         fresh += new

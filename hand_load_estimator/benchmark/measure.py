@@ -25,13 +25,13 @@ MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 RATE = 500.0                              # [Hz] of the simulated joint states
 
 
-def plant_models(robot, plant, effects=(), difference=None):
+def plant_models(robot, plant, difference=None):
     """
     Return the models of one plant: ours, the textbook one, the nominal one.
 
     difference: a folder to write what ours leaves without load into, or None.
     """
-    evidence = identification_evidence(robot, plant, effects)
+    evidence = identification_evidence(robot, plant)
     noise = Plant(robot, seed=plant).noise
     models = {'ours': identify(robot, evidence),
               'textbook': identify(robot, evidence, COULOMB_VISCOUS),
@@ -54,13 +54,13 @@ def robot_and_models(robot_path, plant, with_difference):
     return robot, plant_models(robot, plant, difference=folder)
 
 
-def run_case(robot, case, models, learned=None, methods=None, rivals=(), effects=()):
+def run_case(robot, case, models, learned=None, methods=None, rivals=()):
     """
     Return the plain result of one case: errors and stds of every method at every time.
 
     methods: names of ours (None: all); rivals: names of offline ones.
     """
-    samples = case_samples(robot, case, effects)
+    samples = case_samples(robot, case)
     start = motion_start(robot, samples)
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
     racing = contestants(robot, models, chosen_methods(methods), learned)

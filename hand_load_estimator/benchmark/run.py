@@ -81,7 +81,7 @@ def _key(suite, robot_path, options):
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
             'artefact': digest.hexdigest() if artefact else None, 'commit': commit_now(),
             'methods': list(chosen_methods(options.methods)), 'rivals': list(options.rivals),
-            'cases': options.cases, 'hours': options.hours,
+            'cases': options.cases, 'hours': options.hours, 'data': options.data,
             'development': options.development}
 
 
@@ -101,7 +101,8 @@ def suite_names(text):
         known = {'arms': ARM_SUITES, 'all': ALL}.get(name, (name,))
         if known == (name,) and name not in (*SUITES, *ARM_SUITES, *OTHERS):
             raise ConfigurationError('--suite', 'is not known', name,
-                                     ', '.join([*SUITES, 'arms', *OTHERS, 'effects', 'all']))
+                                     ', '.join([*SUITES, 'arms', *OTHERS, 'all',
+                                                'effects (by itself)']))
         out += [one for one in known if one not in out]
     return tuple(out)
 

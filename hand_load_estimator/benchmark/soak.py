@@ -1,16 +1,16 @@
 """The soak suite: a day of joint states through the Pipeline, faster than real time."""
 
 import json
-import os
 from pathlib import Path
 import time
 
 import numpy as np
 
-from .. import seeds
 from ..estimators.build import build_pipeline
 from ..plant import simulate_motion, TemperatureEvent
+from ..seeds import SHIPPED_MODEL_PLANT
 from ..simulate_motions import named_motion
+from ..whole_file import whole_file
 from .memory import resident_mib
 
 LOOP = 60.0          # [s] of one simulated loop that is replayed
@@ -21,12 +21,12 @@ FLAT_MIB, FLAT_TIME = 20.0, 0.2
 _POINTS = 200
 
 
-def looped_events(robot, seed=seeds.SHIPPED_MODEL_PLANT):
+def looped_events(robot):
     """Return (events, length [s]) of a run with the rated load that ends where it began."""
-    motion = named_motion('excite', robot, LOOP, 1.0, seed)
+    motion = named_motion('excite', robot, LOOP, 1.0, SHIPPED_MODEL_PLANT)
     events = list(simulate_motion(
-        robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=seed,
-        load=robot.rated_load, rate=RATE, start_temperature=35.0))
+        robot, motion.time, motion.position, motion.velocity, motion.acceleration,
+        seed=SHIPPED_MODEL_PLANT, load=robot.rated_load, rate=RATE, start_temperature=35.0))
     return events, events[-1].stamp + 1.0 / RATE
 
 
@@ -88,7 +88,7 @@ def soak_scores(found):
 
 
 def run_soak(robot_name, method, learned, hours, folder, write):
-    """Return soak_scores of a day's replay; written to folder/soak.json, read if it is there."""
+    """Return soak_scores of a day's replay; its raw file is read if it is there."""
     path = Path(folder) / f'soak_{method}_{hours:g}h.json'
     if not path.exists():
         pipeline = build_pipeline(robot_name, method, learned)
@@ -100,7 +100,7 @@ def run_soak(robot_name, method, learned, hours, folder, write):
             write(f'{hour:.1f} of {hours:g} h  {max(left, 0.0) / 60.0:.1f} min left')
 
         found = replay(pipeline, events, length, hours, told)
-        part = path.with_suffix('.part')
-        part.write_text(json.dumps({**found, 'method': pipeline.method.name}), encoding='utf-8')
-        os.replace(part, path)
+        with whole_file(path) as part:
+            part.write_text(json.dumps({**found, 'method': pipeline.method.name}),
+                            encoding='utf-8')
     return soak_scores(json.loads(path.read_text('utf-8')))

@@ -26,7 +26,7 @@ class Suite:
     One accuracy suite.
 
     about: a sentence for the page; draw(robot, plant, seed) -> Case; count: cases unless told;
-    plants: of that count; plant_seeds, case_seeds: ranges. first_plant: where its plants begin.
+    plants: of that count; plant_seeds, case_seeds: ranges.
     """
 
     about: str
@@ -65,7 +65,7 @@ def draw_undeclared_case(robot, plant, seed):
 
 
 SUITES = {
-    'base': Suite('loads, temperatures, speeds and motions of every kind', draw_case, 200, 25),
+    'base': Suite('any load, temperature, speed and pick-and-place motion', draw_case, 200, 25),
     'development': Suite('the base suite on seeds for looking and choosing', draw_case, 64, 8,
                          seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES),
     'cold': Suite('started at 15 to 20 degC; otherwise the cases of `warm`',

@@ -18,4 +18,3 @@ class Finding:
 def graded(value, ok_below, doubt_below):
     """Return the verdict of a magnitude: ok, doubt or wrong."""
     return OK if value <= ok_below else DOUBT if value <= doubt_below else WRONG
-

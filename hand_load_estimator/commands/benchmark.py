@@ -60,20 +60,27 @@ def run(args):
     def write(text):
         print(text, flush=True)
 
-    if args.suite == SUITE:
-        if args.learned is not None:
-            raise ConfigurationError('--learned', 'does not go with the suite', args.learned,
-                                     'nothing: effects are judged with method bayes')
-        print(run_effects(args.robot, args.out, command, write))
-        return 0
     for name, least in (('cases', 1), ('workers', 0), ('hours', 1e-3)):
         value = getattr(args, name)
         if value is not None and value < least:
             raise ConfigurationError(f'--{name}', 'is too small', value, f'at least {least:g}')
+    if args.suite == SUITE:
+        _only_of_others(args)
+        print(run_effects(args.robot, args.out, command, write, args.workers, args.development))
+        return 0
     options = Options(args.robot, args.learned, args.cases, args.methods, args.rivals, args.hours,
                       args.data, args.development, args.workers, args.backend)
     print(run_suites(args.suite, options, args.out, command, write))
     return 0
+
+
+def _only_of_others(args):
+    """Refuse what suite effects does not take, rather than leave it out unsaid."""
+    for name in ('learned', 'cases', 'methods', 'rivals', 'hours'):
+        if getattr(args, name) not in (None, ()):
+            raise ConfigurationError(f'--{name}', 'does not go with the suite',
+                                     getattr(args, name),
+                                     'nothing: effects has its own cases, judged with bayes')
 
 
 # Said in the command line that a page shows only when they differ from this.

@@ -65,17 +65,18 @@ def _train(args):
     def write(text):
         print(text, flush=True)
 
+    model = find_shared(args.model, 'models')
     if args.network == 'lstm':
         from ..learning.training import FINE_TUNING, Recipe, train
         _refuse(args, ('joints', 'parameters'), ', '.join(NETWORKS))
         start = args.start_from and find_shared(args.start_from, 'learned')
         recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
-        return train(args.model, args.out, recipe, args.device, write, start)
+        return train(model, args.out, recipe, args.device, write, start)
     from ..learning.direct_training import DirectRecipe, train_direct
     from ..model_file import read_model
     _refuse(args, ('start_from',), 'lstm')
-    design = design_for(read_model(args.model).robot, args.network, args.joints, args.parameters)
-    return train_direct(args.model, args.out, DirectRecipe(design, **chosen), args.device, write)
+    design = design_for(read_model(model).robot, args.network, args.joints, args.parameters)
+    return train_direct(model, args.out, DirectRecipe(design, **chosen), args.device, write)
 
 
 def _refuse(args, names, allowed):

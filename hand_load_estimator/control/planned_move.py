@@ -44,13 +44,18 @@ class PlannedMove:
 
     def points(self, times):
         """Return position, velocity, acceleration (m, n) at times (m,) [s]."""
-        s, v, a = (np.asarray(x)[:, None] for x in self.profile.sample(np.asarray(times)))
-        line = self.goal - self.start
-        return self.start + s * line, v * line, a * line
+        return self._on_line(*self.profile.sample(np.asarray(times)))
 
     def trajectory(self):
         """Return the Trajectory through the profile's knots: its quintics are this move."""
-        return Trajectory(self.profile.time, *self.points(self.profile.time))
+        # The knots themselves: a sample at the last one would carry rounding instead of rest.
+        profile = self.profile
+        return Trajectory(profile.time, *self._on_line(profile.s, profile.v, profile.a))
+
+    def _on_line(self, *profile):
+        s, v, a = (np.asarray(x)[:, None] for x in profile)
+        line = self.goal - self.start
+        return self.start + s * line, v * line, a * line
 
     def motion_limits(self, joint_limits, speed_scale):
         """

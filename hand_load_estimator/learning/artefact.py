@@ -5,7 +5,6 @@ It belongs to joint names and an effort kind, never to one torque model.
 """
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 from safetensors.numpy import load_file, save_file
 
 from ..errors import ConfigurationError
+from ..whole_file import whole_file
 from .features import feature_count
 from .interval_factors import LEVELS
 
@@ -43,11 +43,11 @@ def write_files(folder, name, tensors, card):
     folder.mkdir(parents=True, exist_ok=True)
     tensors = {key: np.ascontiguousarray(value, dtype=np.float32)
                for key, value in tensors.items()}
-    save_file(tensors, folder / (name + '.part'))
-    os.replace(folder / (name + '.part'), folder / name)
-    text = json.dumps({'schema': SCHEMA, **card}, indent=2) + '\n'
-    (folder / (CARD + '.part')).write_text(text, encoding='utf-8')
-    os.replace(folder / (CARD + '.part'), folder / CARD)
+    with whole_file(folder / name) as part:
+        save_file(tensors, part)
+    with whole_file(folder / CARD) as part:
+        part.write_text(json.dumps({'schema': SCHEMA, **card}, indent=2) + '\n',
+                        encoding='utf-8')
 
 
 def read_artefact(folder, robot):

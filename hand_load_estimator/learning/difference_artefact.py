@@ -7,7 +7,6 @@ and that model; a model identified again wants a function learned again.
 
 from dataclasses import dataclass
 import json
-import os
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from ..errors import ConfigurationError
 from ..estimators.inducing_points import InducingPoints
 from ..estimators.network_draws import NetworkDraws
 from ..model_file import model_digest
+from ..whole_file import whole_file
 from .difference_inputs import INPUTS
 
 SCHEMA = 'hand_load/difference/1'
@@ -58,13 +58,13 @@ def write_difference(folder, model, function, names, tensors, told):
     # What data took from a prior's variance is a small difference of large numbers.
     single.update({name: np.ascontiguousarray(tensors[name], dtype=np.float64)
                    for name in ('shrink', 'mean_weights') if name in tensors})
-    save_file(single, folder / (WEIGHTS + '.part'))
-    os.replace(folder / (WEIGHTS + '.part'), folder / WEIGHTS)
+    with whole_file(folder / WEIGHTS) as part:
+        save_file(single, part)
     card = {'schema': SCHEMA, 'function': function, 'inputs': list(names),
             'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
             'model': model_digest(model), **told}
-    (folder / (CARD + '.part')).write_text(json.dumps(card, indent=2) + '\n', encoding='utf-8')
-    os.replace(folder / (CARD + '.part'), folder / CARD)
+    with whole_file(folder / CARD) as part:
+        part.write_text(json.dumps(card, indent=2) + '\n', encoding='utf-8')
 
 
 def read_difference(folder, model):

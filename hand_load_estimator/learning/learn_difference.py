@@ -15,7 +15,7 @@ from .torque_gp import learn_gp
 SEED = 1
 
 
-def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUTS, seed=SEED,
+def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUTS,
                      write=lambda text: None):
     """
     Learn from a list of Evidence what a TorqueModel leaves, write the artefact into `folder`.
@@ -26,25 +26,25 @@ def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUT
         raise ConfigurationError('--function', 'is not known', function, ', '.join(PREDICTORS))
     torch.set_num_threads(1)
     data = difference_data(model, evidence, names)
-    tensors, result = _learned(data, function, seed, write)
+    tensors, result = _learned(data, function, write)
     write_difference(
         folder, model, function, names,
         {**tensors, 'scale': data.scale, 'share': result.share,
          'left_out_variance': result.variance},
         {'recordings': [e.name for e in evidence],
-         'known_load': any(e.held is not None for e in evidence), 'seed': seed,
+         'known_load': any(e.held is not None for e in evidence), 'seed': SEED,
          'samples': len(data.dt),
          'left_out_density_share': [round(float(v), 4) for v in result.share]})
     return result
 
 
-def _learned(data, function, seed, write):
+def _learned(data, function, write):
     """Return (tensors of the predictor, LeftOut)."""
     if function == 'neural_process':
-        return learn_neural_process(data, seed, write)
-    tensors, result = learn_gp(data, seed, write)
+        return learn_neural_process(data, SEED, write)
+    tensors, result = learn_gp(data, SEED, write)
     if function == 'gp':
         return tensors, result
     # Both learn to answer as the process does, and are as good as it where it was judged.
     follow = {'distilled': distil, 'bayesian_network': learn_bayesian_network}[function]
-    return follow(data, InducingPoints(tensors), seed, write), result
+    return follow(data, InducingPoints(tensors), SEED, write), result

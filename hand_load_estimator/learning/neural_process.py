@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from torch import nn
 
+from ..errors import ConfigurationError
 from ..estimators.network_draws import NetworkDraws
 from .difference_data import left_out
 from .joint_networks import HIDDEN, LOG_VARIANCE
@@ -45,7 +46,15 @@ class _NeuralProcess(nn.Module):
 
 
 def learn_neural_process(data, seed, write=lambda text: None):
-    """Return (tensors of NetworkDraws, LeftOut) for DifferenceData."""
+    """
+    Return (tensors of NetworkDraws, LeftOut) for DifferenceData.
+
+    Left out is the context alone: encoder and decoder have seen all recordings. Raises
+    ConfigurationError for recordings too short to hold context and targets apart.
+    """
+    if len(data.dt) < 2 * STRETCH:
+        raise ConfigurationError('recordings', 'are too short for a neural process',
+                                 f'{data.dt.sum():.1f} s', 'some seconds of motion or more')
     rng = np.random.default_rng(seed)
     arrays = [np.swapaxes(part, 0, 1) for part in (data.inputs, data.difference, data.worth)]
     with torch.random.fork_rng():

@@ -10,6 +10,7 @@ from safetensors.torch import load_file, save_file
 
 from ..estimators.load_prior import load_prior
 from ..model_file import read_model
+from ..whole_file import whole_file
 from ..workers import end_with
 from .features import REFRESH, SlowResidual, features
 from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,
@@ -94,10 +95,8 @@ def _write_shard(model_path, seeds, path, make):
     torch.set_num_threads(1)
     model = read_model(model_path)
     shard = make(SequenceMaker(model), model.robot, seeds)
-    # Its own name: a worker of a killed training may still be at it.
-    part = path.with_suffix(f'.{os.getpid()}.part')
-    save_file({k: v.contiguous() for k, v in shard.items()}, part)
-    os.replace(part, path)
+    with whole_file(path) as part:
+        save_file({k: v.contiguous() for k, v in shard.items()}, part)
     return path
 
 

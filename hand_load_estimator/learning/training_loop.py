@@ -2,7 +2,6 @@
 
 import ctypes
 import json
-import os
 import shutil
 import time
 from dataclasses import asdict
@@ -15,6 +14,7 @@ from safetensors.torch import load_file, save_file
 
 from .. import seeds
 from ..errors import ConfigurationError
+from ..whole_file import whole_file
 from . import shards
 from .start import sha256_of
 
@@ -97,9 +97,8 @@ def _same_job(work, job, sequences):
         if free < needed:
             raise ConfigurationError(work, 'has too little room for the training sequences',
                                      f'{free / 1e9:.1f} GB', f'{needed / 1e9:.1f} GB or more')
-        part = note.with_suffix('.part')
-        part.write_text(json.dumps(job), encoding='utf-8')
-        os.replace(part, note)
+        with whole_file(note) as part:
+            part.write_text(json.dumps(job), encoding='utf-8')
     elif json.loads(note.read_text(encoding='utf-8')) != job:
         raise ConfigurationError(
             work, 'holds the unfinished training of another model, recipe or start',
@@ -119,10 +118,10 @@ def make_sequences(model_path, work, spans, make, write):
 
     make: as of shards.write_shards.
     """
-    return {name: shards.write_shards(
-        model_path, work / name, span, make, Progress(
-            write, f'sequences ({name})', len(range(0, len(span), shards.BATCH))))
-        for name, span in spans.items()}
+    def made(name, span):
+        progress = Progress(write, f'sequences ({name})', len(range(0, len(span), shards.BATCH)))
+        return shards.write_shards(model_path, work / name, span, make, progress)
+    return {name: made(name, span) for name, span in spans.items()}
 
 
 class _Run:
@@ -141,10 +140,9 @@ class _Run:
         tensors = {f'network.{k}': v for k, v in self.network.state_dict().items()}
         for index, state in self.optimiser.state_dict()['state'].items():
             tensors |= {f'optimiser.{index}.{k}': v for k, v in state.items()}
-        part = self._path.with_suffix('.part')
-        save_file({k: v.contiguous() for k, v in tensors.items()}, part,
-                  metadata={'step': str(self.step)})
-        os.replace(part, self._path)
+        with whole_file(self._path) as part:
+            save_file({k: v.contiguous() for k, v in tensors.items()}, part,
+                      metadata={'step': str(self.step)})
 
     def resume(self):
         """Go on from the checkpoint when there is one."""

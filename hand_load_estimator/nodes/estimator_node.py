@@ -54,13 +54,12 @@ def _one_sentence(error):
 class EstimatorNode(Node):
     """Thin shell around estimators.Pipeline."""
 
-    def __init__(self, make_pipeline=build_from_parameters):
+    def __init__(self):
         super().__init__('estimator')
         self._declared = NodeParameters(self, ESTIMATOR_PARAMETERS, changed=self._set_rates)
         values = self._declared.values
         self._set_rates(values)
-        self._make_pipeline = make_pipeline
-        self._use(make_pipeline(values))
+        self._use(build_from_parameters(values))
         self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age)
         self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
@@ -225,7 +224,7 @@ class EstimatorNode(Node):
     def _on_reload_model(self, _request, response):
         values, old = self._declared.values, self._pipeline
         try:
-            new = self._make_pipeline(values)
+            new = build_from_parameters(values)
             new.take_over(old)
             self._use(new)
         # A path nobody can have, as of an unknown user or too long, is found out by the system.

@@ -119,23 +119,19 @@ class NodeParameters:
     """
     The declared parameters of a node.
 
-    `.values` is an immutable object with one attribute per row. `check(values)` may return a
-    sentence that refuses a combination of values; `changed(values)` is called after a change.
-    Raises ConfigurationError for wrong values at start.
+    `.values` is an immutable object with one attribute per row. `changed(values)` is
+    called after a change. Raises ConfigurationError for wrong values at start.
     """
 
-    def __init__(self, node, table, check=None, changed=None):
+    def __init__(self, node, table, changed=None):
         self._table = {row.name: row for row in table}
-        self._check, self._changed = check, changed
+        self._changed = changed
         self._type = make_dataclass(f'{node.get_name().title()}Parameters',
                                     [row.field for row in table], frozen=True)
         self._where = f'node {node.get_name()}'
         self._warn_of_unknown(node)
         given = {row.field: self._declare(node, row) for row in table}
         self.values = self._type(**given)
-        refusal = check(self.values) if check else ''
-        if refusal:
-            raise ConfigurationError(self._where, refusal)
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
 
@@ -175,11 +171,10 @@ class NodeParameters:
 
     def _validate(self, parameters):
         try:
-            refusal = self._check(self._after(parameters)) if self._check \
-                else self._after(parameters) and ''
+            self._after(parameters)
         except ValueError as error:
-            refusal = str(error)
-        return SetParametersResult(successful=not refusal, reason=refusal)
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
 
     def _apply(self, parameters):
         if not any(p.name in self._table for p in parameters):

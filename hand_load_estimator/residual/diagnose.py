@@ -56,7 +56,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     # A model made from these recordings has seen what is now kept for the test.
     old = better_model(model, (), evidence) if own and kept else model
     before, after, floor = _errors(old, better if again else old, test)
-    left = unexplained_joints(model, residual, rest)
+    left = unexplained_joints(residual, rest)
     odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
                        for j in step.chosen.joints)
     findings = findings_of(model, better, residual, trace, odd) \
@@ -103,7 +103,7 @@ def _traced(model, residual, warmed, own, progress):
     trace = Trace(model, residual, warmed, _root(model) if own else None, progress)
     trace.run()
     trace.keep_what_still_gains()
-    return trace, left_over(model, residual, trace.blocks)
+    return trace, left_over(model.robot, trace.blocks)
 
 
 def _root(model):

@@ -101,7 +101,8 @@ def find_residual(model, evidence, cut=True):
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
     recording = np.array(recording_numbers(evidence))[owner]
-    starts, folds = _cut(joined['dt'], owner, recording) if cut else (np.zeros(1, int), np.zeros(1, int))
+    uncut = np.zeros(1, int), np.zeros(1, int)
+    starts, folds = _cut(joined['dt'], owner, recording) if cut else uncut
     noise = np.clip(noise_floor(joined['residual']), np.sqrt(STRUCTURE) * model.noise,
                     model.noise)
     return Residual(x, owner=owner, starts=starts, folds=folds, noise=noise,
@@ -114,8 +115,7 @@ def _joined_input(parts):
     late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
     play = parts[0].play and (lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
     return EffectInput(**{name: np.concatenate([getattr(p, name) for p in parts])
-                          for name in names}, late=late,
-                       play=play)
+                          for name in names}, late=late, play=play)
 
 
 def _expected(model, columns, x):

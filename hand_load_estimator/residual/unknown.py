@@ -12,9 +12,9 @@ FOLLOWS, RHYTHMIC = 0.4, 0.3
 SPECTRUM = 512   # samples of one periodogram
 
 
-def left_over(model, residual, blocks):
+def left_over(robot, blocks):
     """Return the residual (N, n) [Nm] after everything found."""
-    return np.stack([blocks.left_over(j) for j in range(model.robot.n)], axis=1)
+    return np.stack([blocks.left_over(j) for j in range(robot.n)], axis=1)
 
 
 def _rms(values, rows):
@@ -22,7 +22,7 @@ def _rms(values, rows):
     return np.sqrt(np.where(rows, values ** 2, 0.0).sum(axis=0) / count)
 
 
-def unexplained_joints(model, residual, rest):
+def unexplained_joints(residual, rest):
     """
     Return the indices of joints whose residual stays structured after everything found.
 

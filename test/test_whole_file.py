@@ -1,0 +1,23 @@
+"""A file appears whole or not at all."""
+
+import pytest
+
+from hand_load_estimator.whole_file import whole_file
+
+
+def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):
+    path = tmp_path / 'model.yaml'
+    path.write_text('old')
+    with whole_file(path) as part:
+        part.write_text('new')
+        assert path.read_text() == 'old' and part.parent == tmp_path
+    assert path.read_text() == 'new' and list(tmp_path.iterdir()) == [path]
+
+
+def test_an_error_leaves_the_old_file_and_nothing_beside_it(tmp_path):
+    path = tmp_path / 'model.yaml'
+    path.write_text('old')
+    with pytest.raises(KeyboardInterrupt), whole_file(path) as part:
+        part.write_text('half')
+        raise KeyboardInterrupt
+    assert path.read_text() == 'old' and list(tmp_path.iterdir()) == [path]
