@@ -122,7 +122,7 @@ def play(run):
     """Every gear with a gap of 4 mrad."""
     gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
     return play_columns(run.robot, run.x.q, gear, run.motion.dt)(
-        np.arange(4), np.full(4, 0.004), np.full(4, 0.01))
+        np.arange(4), np.full(4, 0.004), np.full(4, 0.01), np.ones(4))
 
 
 def leaning(run):

@@ -261,13 +261,12 @@ class Trace:
         best = hypothesis, score
         for step in (1.25, 1.12, 1.06):
             # Parameters that make up for one another are found together only.
-            for factors in product((1.0 / step, 1.0, step), repeat=len(hypothesis.shape)):
-                if set(factors) == {1.0}:
-                    continue
-                trial = reshaped(best[0], factors, self._model, self._residual)
-                found = self.blocks.evaluate(trial.columns)
-                if found.gain > best[1].gain:
-                    best = trial, found
+            factors = [those for those in product((1.0 / step, 1.0, step),
+                                                  repeat=len(hypothesis.shape))
+                       if set(those) != {1.0}]
+            tried = [(trial, self.blocks.evaluate(trial.columns)) for trial in
+                     reshaped(best[0], factors, self._model, self._residual)]
+            best = max([best, *tried], key=lambda pair: pair[1].gain)
         return best
 
     def _take(self, chosen):
