@@ -7,10 +7,13 @@ drive carries nothing, and the link, left to itself, falls behind or runs ahead 
 p'' = torque / inertia for the angle p by which the drive leads. On the other side of the gap the
 teeth meet and the drive takes the link's momentum at once. So a crossing spares the drive a torque
 and returns all of its integral with the impact.
+
+The inertia decides how long a crossing takes. With the other joints held firmly it is the mass
+matrix's, which an arm's pose changes many times over; joints behind that give way hide the pose.
+How much of the pose shows is therefore a figure of the gap, like its travel.
 """
 
 from functools import lru_cache
-import math
 
 import numpy as np
 
@@ -22,6 +25,8 @@ STEPS = 10
 FILTER_DELAY = 3.0 / BANDWIDTH
 # Times between samples are rounded to this [s], so that jitter makes no end of filters.
 ROUNDED = 1e-4
+# A robot file may state no inertia [kg m^2]: a link with hardly any is across at once.
+LEAST_INERTIA = 1e-12
 
 
 @lru_cache(maxsize=4096)
@@ -32,75 +37,91 @@ def _filter(count):
     return powers[0], np.stack([p @ (before + now) for p in powers[1:]], axis=1)
 
 
+def crossing_inertia(inertia, usual, pose_share):
+    """
+    Return the inertia [kg m^2] that crosses a gap.
+
+    inertia: the link's at its pose; usual: its mean over poses; pose_share [-]: 1 when all of the
+    pose shows, near 0 when none does.
+    """
+    inertia, usual = np.maximum(inertia, LEAST_INERTIA), np.maximum(usual, LEAST_INERTIA)
+    return usual * (inertia / usual) ** pose_share
+
+
 class PlayState:
     """
     Follow the gap of one joint, and what its drive feels of it as the motion filter shows it.
 
-    Starts with the teeth together on the side that the torque pushes to.
+    Starts with the teeth together on the side that the torque pushes to. Gaps (m,) that the same
+    joint might have are followed beside one another.
     """
 
     def __init__(self):
-        self._torque = self._ahead = None  # [Nm] shown by the filter, and without its delay
-        self._place = self._speed = 0.0
-        self._apart = False
-        self._shown = np.zeros(3)
+        self._torque = None  # [Nm] shown by the filter
+
+    def _start(self, torque, half):
+        self._torque, m = torque, len(half)
+        self._ahead = np.full(m, torque)  # without the filter's delay
+        self._place, self._speed = np.copysign(half, torque), np.zeros(m)
+        self._apart = np.zeros(m, dtype=bool)
+        self._shown = np.zeros((3, m))
 
     def update(self, torque, inertia, travel, lag, dt):
         """
-        Return the torque [Nm] that play adds to the drive's, after dt [s].
+        Return the torque (m,) [Nm] that play adds to the drive's, after dt [s].
 
-        torque [Nm] that the gear has to carry, inertia [kg m^2] of the link about its joint, both
-        of the filtered motion; travel [rad] of the gap; lag [s] of the torque between the teeth
-        behind it, by which they part late.
+        torque [Nm] that the gear has to carry, of the filtered motion; inertia (m,) [kg m^2] that
+        crosses; travel (m,) [rad] of the gap; lag (m,) [s] of the torque between the teeth behind
+        it, by which they part late.
         """
+        half = 0.5 * travel
         if self._torque is None:
-            self._torque = self._ahead = torque
-            self._place = math.copysign(0.5 * travel, torque)
+            self._start(torque, half)
         # What the filter shows is late; the teeth part when the torque itself changes sign.
         ahead = torque + (FILTER_DELAY - lag) * (torque - self._torque) / dt
         before, self._torque, self._ahead = self._ahead, torque, ahead
-        if self._apart or before * self._place < 0.0 or ahead * self._place < 0.0:
+        matrix, gains = _filter(round(dt / ROUNDED))
+        self._shown = matrix @ self._shown
+        if (self._apart | (before * self._place < 0.0) | (ahead * self._place < 0.0)).any():
             slope, step = (ahead - before) / STEPS, dt / STEPS
-            felt = [self._cross(before + (k + 0.5) * slope, inertia, 0.5 * travel, step)
-                    for k in range(STEPS)]
-            matrix, gains = _filter(round(dt / ROUNDED))
-            self._shown = matrix @ self._shown + gains @ felt
-        elif self._shown.any():
-            self._shown = _filter(round(dt / ROUNDED))[0] @ self._shown
-        return float(self._shown[2])
+            felt = np.stack([self._cross(before + (k + 0.5) * slope, inertia, half, step)
+                             for k in range(STEPS)])
+            self._shown = self._shown + gains @ felt
+        return self._shown[2]
 
     def _cross(self, torque, inertia, half, step):
-        """Return the mean torque [Nm] over a step [s] under a constant torque of the link."""
-        if not self._apart and torque * self._place >= 0.0:
-            return 0.0
-        if inertia <= 0.0:
-            # A robot file may state no inertia: a link without any is across at once.
-            self._place, self._apart = math.copysign(half, torque), False
-            return 0.0
+        """Return the mean torque (m,) [Nm] over a step [s] under constant torques of the link."""
+        parted = self._apart | (torque * self._place < 0.0)
         speed = self._speed + step * torque / inertia
         place = self._place + 0.5 * step * (self._speed + speed)
-        self._apart = abs(place) < half
-        if self._apart:
-            self._place, self._speed = place, speed
-            return -torque
-        self._place, self._speed = math.copysign(half, place), 0.0
-        return inertia * speed / step - torque
+        flies = parted & (np.abs(place) < half)
+        felt = np.where(flies, -torque, parted * (inertia * speed / step - torque))
+        place = np.where(flies, place, np.copysign(half, place))
+        self._place = np.where(parted, place, self._place)
+        self._speed, self._apart = np.where(flies, speed, 0.0), flies
+        return felt
 
 
-def play_along(torque, inertia, dt, states=None):
+def play_along(torque, inertia, usual, dt, states=None):
     """
-    Return play(joints, travels, lags): what gaps do along torque, inertia (N, n), dt (N,) [s].
+    Return play(joints, travels, lags, pose_shares): what gaps do along torque, inertia (N, n).
 
-    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m).
-    states: PlayState (n) to carry on; new ones without.
+    usual (n,) [kg m^2]: mean inertia over poses; dt (N,) [s]. Torques [Nm] as of
+    PlayState.update: for one joint (N,), for arrays of m joints (N, m), which may hold a joint
+    several times. states: PlayState (n) to carry on; new ones without.
     """
-    def of(j, travel, lag):
+    def of(j, travel, lag, share):
         state = PlayState() if states is None else states[j]
-        rows = zip(torque[:, j].tolist(), inertia[:, j].tolist(), dt.tolist())
-        return np.array([state.update(tau, moved, travel, lag, step) for tau, moved, step in rows])
+        moved = crossing_inertia(inertia[:, j, None], usual[j], share)
+        return np.array([state.update(tau, own, travel, lag, step)
+                         for tau, own, step in zip(torque[:, j].tolist(), moved, dt.tolist())])
 
-    def play(joints, travels, lags):
+    def play(joints, *gaps):
         if np.ndim(joints) == 0:
-            return of(joints, travels, lags)
-        return np.stack([of(*one) for one in zip(joints, travels, lags)], axis=1)
+            return of(joints, *(np.full(1, value) for value in gaps))[:, 0]
+        out = np.zeros((len(torque), len(joints)))
+        for j in np.unique(joints):
+            own = joints == j
+            out[:, own] = of(j, *(values[own] for values in gaps))
+        return out
     return play

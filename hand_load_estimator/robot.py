@@ -171,6 +171,14 @@ class Robot:
         upper = np.triu(pin.crba(self.model, self._data, q))
         return upper + np.triu(upper, 1).T
 
+    @cached_property
+    def usual_inertia(self):
+        """Mean inertia (n,) [kg m^2] of the links about each joint over poses in its range."""
+        rng = np.random.default_rng(0)
+        poses = rng.uniform(np.maximum(self.limits.lower, -np.pi),
+                            np.minimum(self.limits.upper, np.pi), (200, self.n))
+        return np.mean([np.diag(self.mass_matrix(q)) for q in poses], axis=0)
+
 
 def load_robot(path):
     """Return the Robot of a robot file; raises ConfigurationError."""

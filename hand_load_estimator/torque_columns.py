@@ -176,15 +176,15 @@ def lateness(torque, dt, before=None):
 
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
-    Return play(joints, travels, lags) of EffectInput for torques gear (N, n) [Nm] at q (N, n).
+    Return play(joints, travels, lags, pose_shares) of EffectInput at q (N, n).
 
-    The links' inertias are the robot file's. teeth: as of torque_columns.
+    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of torque_columns.
     """
     if dt is None:
         return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
     inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
     states, believed = teeth
-    return play_along(gear + believed, inertia, dt, states)
+    return play_along(gear + believed, inertia, robot.usual_inertia, dt, states)
 
 
 def tilt_columns(robot, q, mean):

@@ -35,7 +35,7 @@ def inputs(n=4, count=60, seed=0):
         rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
         rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
         torque, rng.normal(size=shape), rng.normal(size=(*shape, 2)), lateness(torque, dt),
-        play_along(torque, 2.0 + np.zeros(shape), dt))
+        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt))
 
 
 def shapes_of(effect, count):
@@ -92,7 +92,8 @@ def test_another_joint_changes_nothing(name):
             mixed[field][:, 2] = getattr(x, field)[:, 2]
     dt = np.full(60, DT)
     mixed = EffectInput(**mixed, late=lateness(mixed['drive'], dt),
-                        play=play_along(mixed['drive'], 2.0 + np.zeros((60, 4)), dt))
+                        play=play_along(mixed['drive'], 2.0 + np.zeros((60, 4)), np.full(4, 2.0),
+                                        dt))
     np.testing.assert_allclose(of_joint(effect, mixed, 2), of_joint(effect, x, 2))
     assert of_joint(effect, x, 1).shape == of_joint(effect, x, 2).shape
 

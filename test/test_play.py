@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
-from hand_load_estimator.play import FILTER_DELAY, play_along, PlayState
+from hand_load_estimator.play import crossing_inertia, FILTER_DELAY, play_along, PlayState
 
 DT, INERTIA = 0.02, 4.0
 FINE = 0.004  # [s] sums over samples are integrals there
 
 
-def added(torque, travel, dt=DT):
+def added(torque, travel, dt=DT, lag=0.0, inertia=INERTIA):
     """Return the torque (N,) [Nm] that play adds along torque (N,) [Nm]."""
     column, steps = np.asarray(torque, dtype=float)[:, None], np.full(len(torque), dt)
-    return play_along(column, np.full_like(column, INERTIA), steps)(0, travel, 0.0)
+    return play_along(column, np.full_like(column, inertia), [inertia], steps)(
+        0, travel, lag, 1.0)
 
 
 def test_a_gear_loaded_to_one_side_shows_no_play():
@@ -54,28 +55,37 @@ def test_the_filter_does_not_make_it_later():
 
 def test_teeth_that_lag_part_late():
     torque, lag = 40.0 * (np.arange(0.0, 3.0, FINE) - 1.0), 5 * FINE
-    column, steps = torque[:, None], np.full(len(torque), FINE)
-    prompt, late = (play_along(column, np.full_like(column, INERTIA), steps)(0, 0.01, by)
-                    for by in (0.0, lag))
+    prompt, late = (added(torque, 0.01, FINE, by) for by in (0.0, lag))
     np.testing.assert_allclose(late[5:], prompt[:-5], atol=0.02 * prompt.max())
 
 
 def test_play_is_followed_sample_by_sample():
+    """... and gaps that a joint might have beside one another are each what they are alone."""
     rng = np.random.default_rng(0)
     torque, dt = np.cumsum(rng.normal(size=(200, 2)), axis=0), rng.uniform(0.01, 0.03, 200)
-    inertia = rng.uniform(1.0, 2.0, (200, 2))
-    whole = play_along(torque, inertia, dt)(np.array([1, 0]), np.array([0.01, 0.02]),
-                                            np.array([0.0, 0.01]))
+    inertia, usual = rng.uniform(1.0, 2.0, (200, 2)), [1.4, 1.6]
+    joints, gaps = np.array([1, 0, 1]), ([0.01, 0.02, 0.03], [0.0, 0.01, 0.02], [1.0, 0.5, 0.1])
+    gaps = [np.array(values) for values in gaps]
+    whole = play_along(torque, inertia, usual, dt)(joints, *gaps)
     states = [PlayState(), PlayState()]
-    parts = [play_along(torque[k:k + 1], inertia[k:k + 1], dt[k:k + 1], states)(
-        np.array([1, 0]), np.array([0.01, 0.02]), np.array([0.0, 0.01])) for k in range(200)]
-    assert whole.shape == (200, 2) and np.abs(whole).max() > 0.1
+    parts = [play_along(torque[k:k + 1], inertia[k:k + 1], usual, dt[k:k + 1], states)(
+        joints, *gaps) for k in range(200)]
+    assert whole.shape == (200, 3) and np.abs(whole).max() > 0.1
     np.testing.assert_allclose(np.concatenate(parts), whole)
+    for column, joint, *gap in zip(whole.T, joints, *gaps):
+        alone = play_along(torque, inertia, usual, dt)(joint, *gap)
+        np.testing.assert_allclose(column, alone, atol=1e-12)
+
+
+def test_the_pose_shows_as_much_as_told():
+    poses = np.array([1.0, 4.0, 16.0])
+    np.testing.assert_allclose(crossing_inertia(poses, 4.0, 1.0), poses)
+    np.testing.assert_allclose(crossing_inertia(poses, 4.0, 0.0), 4.0)
+    np.testing.assert_allclose(crossing_inertia(poses, 4.0, 0.5), [2.0, 4.0, 8.0])
 
 
 def test_a_link_without_inertia_is_across_at_once():
     """A robot file drafted from a URDF without masses has such links."""
-    t = np.arange(-1.0, 2.0, FINE)[:, None]
+    t = np.arange(-1.0, 2.0, FINE)
     for inertia in (0.0, 1e-12):
-        felt = play_along(30.0 * t, np.full_like(t, inertia), np.full(len(t), FINE))(0, 0.01, 0.0)
-        np.testing.assert_allclose(felt, 0.0, atol=1e-6)
+        np.testing.assert_allclose(added(30.0 * t, 0.01, FINE, inertia=inertia), 0.0, atol=1e-6)

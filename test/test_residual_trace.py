@@ -122,7 +122,7 @@ def play(run):
     """Every gear with a gap of 4 mrad."""
     gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
     return play_columns(run.robot, run.x.q, gear, run.motion.dt)(
-        np.arange(4), np.full(4, 0.004), np.full(4, 0.01))
+        np.arange(4), np.full(4, 0.004), np.full(4, 0.01), np.ones(4))
 
 
 def leaning(run):
@@ -250,7 +250,8 @@ def test_play_is_found_with_its_gap():
 
 @pytest.mark.parametrize('gains, sure', [
     ([50.0] * 4, True), ([50.0] * 3, False), ([20.0] * 4, False),
-    ([200.0] * 6 + [-20.0] * 3, False), ([20.0, 200.0] * 4 + [-5.0], True)])
+    ([200.0] * 6 + [-20.0] * 3, False), ([20.0, 200.0] * 4 + [-5.0], True),
+    ([400.0] * 3 + [-2.0], True), ([400.0] * 2, False), ([4000.0, 30.0, 30.0], False)])
 def test_what_gains_wherever_it_acts_is_sure(gains, sure):
     """Rare but steady: crossings of a gap in a few of 60 blocks; chance loses as often."""
     by_block = np.zeros(60)

@@ -16,9 +16,9 @@ class EffectInput:
     model needs them: gear [Nm]: torque through the gear, without friction and rotor; drive [Nm]:
     torque of the drive; rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]:
     torque of turning gravity about Robot.tilt_axes; late(delays): torque of the drive so many
-    seconds ago less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag): what
-    a gap [rad] in the gear of joint j does to the torque of its drive (play.py), (N,) [Nm], or
-    (N, m) for arrays of m joints, gaps and lags [s].
+    seconds ago less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag,
+    pose_share): what a gap [rad] in the gear of joint j does to the torque of its drive (play.py),
+    (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s] and shares [-].
     """
 
     q: np.ndarray

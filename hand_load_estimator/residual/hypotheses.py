@@ -72,9 +72,9 @@ def _of_effect(model, residual, blocks, effect, j):
     if effect.name == 'presliding_hysteresis':
         yield from _presliding(model, residual, j, scale)
         return
-    for shape, trials in _shapes(effect, residual, blocks, j):
-        columns = effect.columns(residual.x, j, shape)
-        yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=trials)
+    shapes, trials = zip(*_shapes(effect, residual, blocks, j))
+    for shape, count, columns in zip(shapes, trials, _columns(effect, residual.x, j, shapes)):
+        yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
 
 
 def _shapes(effect, residual, blocks, j):
@@ -89,6 +89,16 @@ def _shapes(effect, residual, blocks, j):
     names = [shape.name for shape in effect.shapes]
     return [(dict(zip(names, map(float, values))), 1)
             for values in product(*(shape.grid for shape in effect.shapes))]
+
+
+def _columns(effect, x, j, shapes):
+    """Return the columns (N, k) of an effect on joint j for each of several shapes."""
+    if 'play' not in effect.needs:
+        return [effect.columns(x, j, shape) for shape in shapes]
+    # Gaps are followed beside one another, in little more time than one of them.
+    together = effect.columns(x, np.full(len(shapes), j), {
+        name: np.array([shape[name] for shape in shapes]) for name in shapes[0]})
+    return list(np.moveaxis(together, 1, 0))
 
 
 def _presliding(model, residual, j, scale):
@@ -108,15 +118,21 @@ def refinable(hypothesis):
 
 
 def reshaped(hypothesis, factors, model, residual):
-    """Return the Hypothesis with each of its nonlinear parameters multiplied by a factor."""
-    j, shape = hypothesis.joint, {
-        name: value * factor for (name, value), factor in zip(hypothesis.shape.items(), factors)}
+    """
+    Return Hypotheses with each of the nonlinear parameters multiplied by a factor.
+
+    factors: for each of them a tuple of as many as there are nonlinear parameters.
+    """
+    j = hypothesis.joint
+    shapes = [{name: value * factor for (name, value), factor
+               in zip(hypothesis.shape.items(), those)} for those in factors]
     if hypothesis.name == 'presliding_hysteresis':
-        distance = shape['presliding_distance']
-        columns = (residual.friction_state(distance)[:, j] - residual.x.z[:, j])[:, None]
+        columns = [(residual.friction_state(shape['presliding_distance'])[:, j]
+                    - residual.x.z[:, j])[:, None] for shape in shapes]
     else:
-        columns = EFFECTS[hypothesis.name].columns(residual.x, j, shape)
-    return replace(hypothesis, columns={j: columns * hypothesis.scale}, shape=shape)
+        columns = _columns(EFFECTS[hypothesis.name], residual.x, j, shapes)
+    return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)
+            for own, shape in zip(columns, shapes)]
 
 
 def _of_link(residual, j, std):

@@ -25,6 +25,8 @@ PART_GAIN = 8.0
 # Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
 # than ACTS nats; there are at least so many of them, and it gains so many nats in all.
 CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
+# Or so many blocks gain PLENTY each, and all that others lose is less than this share of it.
+EACH, LOST = 3, 0.01
 # What has no name must gain so many times more, and move as much torque as the noise.
 UNKNOWN_FACTOR, UNKNOWN_RMS = 4.0, 1.0
 # A declared effect has changed when its torque is so many times what the model expects.
@@ -261,13 +263,12 @@ class Trace:
         best = hypothesis, score
         for step in (1.25, 1.12, 1.06):
             # Parameters that make up for one another are found together only.
-            for factors in product((1.0 / step, 1.0, step), repeat=len(hypothesis.shape)):
-                if set(factors) == {1.0}:
-                    continue
-                trial = reshaped(best[0], factors, self._model, self._residual)
-                found = self.blocks.evaluate(trial.columns)
-                if found.gain > best[1].gain:
-                    best = trial, found
+            factors = [those for those in product((1.0 / step, 1.0, step),
+                                                  repeat=len(hypothesis.shape))
+                       if set(those) != {1.0}]
+            tried = [(trial, self.blocks.evaluate(trial.columns)) for trial in
+                     reshaped(best[0], factors, self._model, self._residual)]
+            best = max([best, *tried], key=lambda pair: pair[1].gain)
         return best
 
     def _take(self, chosen):
@@ -284,12 +285,16 @@ def significant(candidate):
     Tell whether a gain is more than chance: by its standard error, or nearly wherever it acts.
 
     An effect that only warm recordings show, or play that only a few poses cross, gains very
-    unequally and still surely.
+    unequally and still surely. A gap that is crossed three times gains nothing in all other
+    blocks: its standard error is as large as it is, but each time was foretold from the others.
     """
+    by_block = candidate.by_block
     plain = candidate.gain > SIGMAS * candidate.std
-    acting = candidate.by_block[np.abs(candidate.by_block) > ACTS]
+    acting = by_block[np.abs(by_block) > ACTS]
     nearly_always = len(acting) >= FEWEST and (acting > 0.0).mean() > CONSISTENT
-    return bool(plain or (nearly_always and candidate.gain > PLENTY))
+    rarely = (by_block > PLENTY).sum() >= EACH \
+        and -by_block[by_block < 0.0].sum() < LOST * candidate.gain
+    return bool(plain or (nearly_always and candidate.gain > PLENTY) or rarely)
 
 
 def _joined(name, parts):
