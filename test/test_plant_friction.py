@@ -73,6 +73,17 @@ def test_sliding_torque_is_the_static_curve():
         np.testing.assert_allclose((forwards + backwards) / 2.0, drawn.asymmetry, atol=1e-9)
 
 
+def test_a_reversal_into_the_weak_direction_unloads_like_a_spring():
+    """What the bristles hold does not vanish because the other direction would hold less."""
+    drawn = replace(figures(), asymmetry=0.8 * figures().coulomb)
+    friction, speed = bristles(drawn), 1e-3
+    slide(friction, speed, 20_000)
+    _, _, viscous = drawn.at(ROOM)
+    held = friction.torque - viscous * speed
+    back = slide(friction, -speed, 1)[-1] + viscous * speed
+    np.testing.assert_allclose(held - back, drawn.stiffness * speed * STEP, rtol=1e-6)
+
+
 def test_no_speed_makes_it_unstable():
     """A joint that crosses its whole presliding many times in one step stays on the curve."""
     drawn = figures()

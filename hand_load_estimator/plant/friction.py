@@ -94,7 +94,7 @@ class Friction:
     The bristles of n joints, one state each.
 
     `torque` (n,) [Nm] opposes motion: the drive has to supply it. Stable for any step: the
-    deflection never leaves the breakaway level, however far a joint moves in one step.
+    deflection never passes the breakaway level, however far a joint moves in one step.
     """
 
     def __init__(self, figures, temperature, gear_torque, rng):
@@ -155,9 +155,12 @@ class Friction:
         work *= velocity
         work *= dt
         z += work
-        np.minimum(z, level, out=z)
-        np.negative(level, out=level)
-        np.maximum(z, level, out=z)
+        # Only the way it slides: what is held against the motion unloads like a spring, even
+        # where this direction's level is below it.
+        np.multiply(z, self._sign, out=work)
+        np.minimum(work, level, out=work)
+        work *= self._sign
+        np.copyto(z, work, where=self._sign != 0.0)
         np.multiply(self._stiffness, z, out=self.torque)
         np.multiply(self._viscous, velocity, out=work)
         self.torque += work
