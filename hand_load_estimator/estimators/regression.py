@@ -125,8 +125,8 @@ class LoadRegression:
                   'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
         state = checked(state, shapes)
         total = Information(n, size)
-        total.matrix, total.vector = state['matrix'], state['vector']
-        total.by_joint = state['by_joint']
+        total.matrix[:], total.vector[:] = state['matrix'], state['vector']
+        total.by_joint[:] = state['by_joint']
         self._recent.begin_with(total.without_last(DRIFTS * n))
         self._unchecked = None
         self._start, self._zero = state['start'], state['zero']
