@@ -172,8 +172,8 @@ _PER_MASS = np.ascontiguousarray(_JACOBIAN[:, ::10])
 
 def _terms(shape):
     """Return (..., 1, 31): the monomials that the Jacobian of the products is linear in."""
-    lead = np.ones(shape.shape[:-1] + (5,))
-    lead[..., 1:] = shape[..., :4]
+    lead = np.empty(shape.shape[:-1] + (5,))
+    lead[..., 0], lead[..., 1:] = 1.0, shape[..., :4]
     pairs = lead[..., :, None] * lead[..., None, :]
     terms = np.concatenate([pairs.reshape(shape.shape[:-1] + (25,)), shape[..., 4:]], axis=-1)
     return terms[..., None, :]

@@ -126,18 +126,18 @@ def test_evidence_is_the_ratio_of_two_normals(extra, mass):
     mean = np.concatenate([block(2.0).to_products(), np.zeros(extra)])
     root = 0.05 * rng.normal(size=(d, d))
     covariance, change = root @ root.T, np.diag(np.linspace(0.5, 0.02, 10) ** 2)
-    got = log_bayes_factor(recent, mean, covariance, change)
+    got = log_bayes_factor(recent, mean, np.linalg.inv(covariance), change)
     assert got == pytest.approx(dense_factor(recent, mean, covariance, change), rel=1e-5,
                                 abs=1e-5)
 
 
 def test_evidence_speaks_for_the_same_load_and_against_another():
     rng = np.random.default_rng(2)
-    covariance, change = 1e-6 * np.eye(10), np.diag([4.0] + [0.2] * 3 + [0.02] * 6)
+    precision, change = 1e6 * np.eye(10), np.diag([4.0] + [0.2] * 3 + [0.02] * 6)
     same = log_bayes_factor(information(rng, block(3.0), 30), block(3.0).to_products(),
-                            covariance, change)
+                            precision, change)
     other = log_bayes_factor(information(rng, block(5.0), 30), block(3.0).to_products(),
-                             covariance, change)
+                             precision, change)
     assert same < 0.0 and other > EVIDENCE
 
 

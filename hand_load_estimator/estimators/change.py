@@ -12,6 +12,7 @@ from collections import deque
 import numpy as np
 
 from .information import Information
+from .positive_solve import positive_solve, unit
 
 # Recent data are kept in pieces of this length [s of motion] ...
 PIECE = 0.1
@@ -22,19 +23,19 @@ WINDOWS = (3, 10)
 EVIDENCE = 25.0
 
 
-def log_bayes_factor(recent, older_mean, older_covariance, change):
+def log_bayes_factor(recent, older_mean, older_precision, change):
     """
     Return the log Bayes factor of a changed load.
 
-    recent: Information; older_mean (d,), older_covariance (d, d): belief without it; change
+    recent: Information; older_mean (d,), older_precision (d, d): belief without it; change
     (10, 10): covariance of what a load may change by.
     """
     z = recent.vector - recent.matrix @ older_mean
-    d = len(z)
-    solved = np.linalg.solve(np.eye(d) + recent.matrix @ older_covariance,
-                             np.column_stack([z, recent.matrix[:, :10]]))[:10]
+    # (1 + L_r S_o)^-1 = S_o^-1 (S_o^-1 + L_r)^-1, where only positive matrices are solved with.
+    solved = older_precision[:10] @ positive_solve(
+        older_precision + recent.matrix, np.column_stack([z, recent.matrix[:, :10]]))
     b, a = solved[:, 0], solved[:, 1:]
-    inflated = np.eye(10) + a @ change
+    inflated = unit(10) + a @ change
     quadratic = b @ change @ np.linalg.solve(inflated, b)
     return 0.5 * (quadratic - np.linalg.slogdet(inflated)[1])
 
