@@ -91,7 +91,7 @@ class ColumnLayout:
                 joints = np.arange(n)
             group = effect, joints, shape, places
             (torque_bound if effect.needs & _TORQUES else plain).append(group)
-        self._plain, self._torque_bound = _Groups(plain), _Groups(torque_bound)
+        self._plain, self._torque_bound = _Groups(plain, n), _Groups(torque_bound, n)
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
 
     def fill(self, columns, x):
@@ -120,8 +120,13 @@ class _Groups:
     places: all of theirs, in a row.
     """
 
-    def __init__(self, groups):
-        self._groups = [(effect, joints, shape) for effect, joints, shape, _ in groups]
+    def __init__(self, groups, n):
+        # A slice spares columns of all joints the copy that an index makes; what depends on
+        # torques wants the numbers.
+        self._groups = [
+            (effect, slice(None) if np.array_equal(joints, np.arange(n))
+             and not effect.needs & _TORQUES else joints, shape)
+            for effect, joints, shape, _ in groups]
         pairs = [np.broadcast_arrays(joints[:, None], places) for _, joints, _, places in groups]
         self._joints, self.places = (np.concatenate([p[k].ravel() for p in pairs]).astype(int)
                                      if pairs else np.zeros(0, dtype=int) for k in range(2))

@@ -79,7 +79,7 @@ class RecentData:
 
     def total(self):
         """Return the Information of everything kept."""
-        return self._sum(self._closed, (self._open,))
+        return self._closed.plus(self._open)
 
     def without_newest(self):
         """Return the Information of all but the open piece and the shorter window."""

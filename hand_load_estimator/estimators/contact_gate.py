@@ -123,10 +123,10 @@ class ContactGate:
 
     def _covariances(self, prediction, own):
         """Return (n, n) [Nm^2]: of all but another load, with own (n,) noise, and of that."""
-        known = prediction.model_columns @ prediction.model_columns.T
+        known = prediction.model_columns.dot(prediction.model_columns.T)
         known.ravel()[::len(own) + 1] += own
-        free = prediction.load_columns @ self._root
-        return known, free @ free.T
+        free = prediction.load_columns.dot(self._root)
+        return known, free.dot(free.T)
 
     def _unexplained(self, prediction, innovation, load_torque):
         """Return c, the torque (n,) [Nm] that is noise at best, and c without another load."""

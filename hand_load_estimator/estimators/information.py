@@ -75,7 +75,7 @@ class Information:
     def add_rows(self, columns, difference, weights):
         """Add rows: columns (., d), difference (.,) [Nm], weights (.,) = precision."""
         weighted = columns.T * weights
-        self._sums += weighted @ np.concatenate([difference[:, None], columns], axis=1)
+        self._sums += weighted.dot(np.concatenate([difference[:, None], columns], axis=1))
         if len(self.by_joint):
             self.by_joint += weighted.T[:, :, None] * columns[:, None, :10]
 
@@ -84,6 +84,13 @@ class Information:
         self._sums += other._sums
         if len(self.by_joint):
             self.by_joint += other.by_joint
+
+    def plus(self, other):
+        """Return the sum with another Information of the same unknowns."""
+        out = Information(len(self.by_joint), len(self.vector) - 10)
+        np.add(self._sums, other._sums, out=out._sums)
+        np.add(self.by_joint, other.by_joint, out=out.by_joint)
+        return out
 
     def scale(self, factor):
         """Forget: multiply everything by a factor in [0, 1]."""
@@ -110,7 +117,8 @@ class Information:
         """Return (10, 10), (10,): information of the load with the nuisances marginalised."""
         sums = self._sums
         if len(sums) > 10:
-            sums = sums[:10, :11] - sums[:10, 11:] @ positive_solve(self._inner(), sums[10:, :11])
+            sums = sums[:10, :11] - sums[:10, 11:].dot(
+                positive_solve(self._inner(), sums[10:, :11]))
         matrix = sums[:, 1:]
         return 0.5 * (matrix + matrix.T), sums[:, 0]
 
@@ -139,20 +147,22 @@ def shape_posterior(matrix, vector, prior, start):
     matrix, vector: information about the products; prior: LoadPrior; start: shape to begin at.
     """
     shape, std = start, prior.std
+    # Jacobian and residual side by side: the same products of matrices serve both.
+    sides = np.empty((10, 11))
     for _ in range(STEPS):
-        products, jacobian = products_and_jacobian_of_shape(shape)
+        sides[:, 10], jacobian = products_and_jacobian_of_shape(shape)
         # Conditioning: in units of the prior, which is 1 in every direction.
-        jacobian *= std
-        hessian = jacobian.T @ matrix @ jacobian
-        hessian += unit(10)
-        gradient = jacobian.T @ (vector - matrix @ products) + (prior.mean - shape) / std
-        inverse = positive_solve(hessian, unit(10))
-        step = inverse @ gradient
+        np.multiply(jacobian, std, out=sides[:, :10])
+        weighted = matrix.dot(sides)
+        weighted[:, 10] = vector - weighted[:, 10]
+        normal = sides[:, :10].T.dot(weighted)
+        gradient = normal[:, 10] + (prior.mean - shape) / std
+        inverse = positive_solve(normal[:, :10] + unit(10), unit(10))
+        step = inverse.dot(gradient)
         shape = shape + std * step
-        if gradient @ step < SHORT ** 2:
+        if gradient.dot(step) < SHORT ** 2:
             break
-    covariance = inverse * std * std[:, None]
-    return shape, 0.5 * (covariance + covariance.T)
+    return shape, (inverse + inverse.T) * prior.half_scale
 
 
 def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
@@ -190,7 +200,7 @@ def gain_covariance(information, shape, covariance, gain_doubt):
 def message_covariance(shape, covariance):
     """Return the covariance in message order of a shape belief; inertia is a product of two."""
     jacobian = message_jacobian_of_shape(shape)
-    out = jacobian @ covariance @ jacobian.T
+    out = jacobian.dot(covariance).dot(jacobian.T)
     # Var(m g) of two unknowns has a second-order part that the linear rule leaves out.
     out.ravel()[44::11] += covariance[0, 0] * covariance.diagonal()[4:]
     return out

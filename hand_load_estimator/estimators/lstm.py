@@ -76,15 +76,17 @@ class LstmCell:
         """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
         h, c = self.memory
         hidden = c.shape[1]
-        gates = np.tanh(np.concatenate([inputs, h], axis=1) @ self._gates + self._bias)
+        gates = np.concatenate([inputs, h], axis=1).dot(self._gates)
+        gates += self._bias
+        np.tanh(gates, out=gates)
         opened = gates[:, :3 * hidden]
         opened *= 0.5
         opened += 0.5
         c = opened[:, hidden:2 * hidden] * c + opened[:, :hidden] * gates[:, 3 * hidden:]
         h = opened[:, 2 * hidden:] * np.tanh(c)
         self.memory = h, c
-        joint = self._joint_bounds * np.tanh(h @ self._joint[0] + self._joint[1])
-        load = self._load_bounds * np.tanh(h.ravel() @ self._load[0] + self._load[1])
+        joint = self._joint_bounds * np.tanh(h.dot(self._joint[0]) + self._joint[1])
+        load = self._load_bounds * np.tanh(h.ravel().dot(self._load[0]) + self._load[1])
         return joint[:, 0], joint[:, 1], load[:10], load[10:]
 
 

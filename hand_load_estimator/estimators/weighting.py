@@ -15,6 +15,6 @@ def innovation_of(prediction, columns, known, posterior):
     known (10 + r,): products and nuisances believed; posterior: the Posterior they belong to.
     """
     load = prediction.load_columns
-    spread = (load @ posterior.products_covariance * load).sum(axis=1)
-    return (prediction.difference - columns @ known, np.maximum(spread, 0.0),
-            load @ known[:10])
+    spread = (load.dot(posterior.products_covariance) * load).sum(axis=1)
+    return (prediction.difference - columns.dot(known), np.maximum(spread, 0.0),
+            load.dot(known[:10]))
