@@ -70,11 +70,13 @@ class RecentData:
         if self._length < PIECE:
             return False
         self.pieces.append(self._open)
+        self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
         if len(self.pieces) > max(WINDOWS):
+            # A sum anew would cost ten times as much, and what rounding leaves here is 1e-13.
+            self._closed.add(self.older, self._fade - 1.0)
             self.older.scale(self._fade)
             self.older.add(self.pieces.popleft())
-        self._closed = self._sum(self.older, self.pieces)
         return True
 
     def total(self):

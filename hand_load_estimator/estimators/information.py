@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..load import (message_from_shape, message_jacobian_of_shape,
-                    products_and_jacobian_of_shape, products_from_shape,
-                    products_jacobian_of_shape)
+                    products_and_jacobian_of_shape)
 from .positive_solve import positive_solve, unit
 
 # Gauss-Newton steps from the last solution: at most so many, and none after one shorter than this
@@ -45,15 +44,19 @@ class Posterior:
         return message_covariance(self.shape, self.shape_covariance)
 
     @cached_property
+    def _products_and_jacobian(self):
+        return products_and_jacobian_of_shape(self.shape)
+
+    @property
     def products(self):
         """The estimate u (10,) as products."""
-        return products_from_shape(self.shape)
+        return self._products_and_jacobian[0]
 
     @cached_property
     def products_covariance(self):
         """S (10, 10): covariance of the products."""
-        jacobian = products_jacobian_of_shape(self.shape)
-        return jacobian @ self.shape_covariance @ jacobian.T
+        _, jacobian = self._products_and_jacobian
+        return jacobian.dot(self.shape_covariance).dot(jacobian.T)
 
 
 class Information:
@@ -79,11 +82,11 @@ class Information:
         if len(self.by_joint):
             self.by_joint += weighted.T[:, :, None] * columns[:, None, :10]
 
-    def add(self, other):
-        """Add another Information of the same unknowns."""
-        self._sums += other._sums
+    def add(self, other, factor=1.0):
+        """Add another Information of the same unknowns, times a factor."""
+        self._sums += factor * other._sums
         if len(self.by_joint):
-            self.by_joint += other.by_joint
+            self.by_joint += factor * other.by_joint
 
     def plus(self, other):
         """Return the sum with another Information of the same unknowns."""

@@ -32,16 +32,17 @@ def _part(state, name):
 
 def _gates(weights):
     """
-    Return matrix (F + H, 4 H), bias (4 H,) for inputs beside output; gate order i, f, o, g.
+    Return (F + H + 1, 4 H) for inputs, output and a 1 side by side; gate order i, f, o, g.
 
     A sigmoid is half a tanh of half its argument, so that one tanh serves all gates.
     """
-    both = np.concatenate([weights['lstm.weight_ih_l0'], weights['lstm.weight_hh_l0']], axis=1)
     bias = weights['lstm.bias_ih_l0'] + weights['lstm.bias_hh_l0']
+    joined = np.concatenate([weights['lstm.weight_ih_l0'], weights['lstm.weight_hh_l0'],
+                             bias[:, None]], axis=1)
     hidden = len(bias) // 4
     order = np.r_[:2 * hidden, 3 * hidden:4 * hidden, 2 * hidden:3 * hidden]
     halved = np.repeat([0.5, 0.5, 0.5, 1.0], hidden)
-    return np.ascontiguousarray((both[order] * halved[:, None]).T), bias[order] * halved
+    return np.ascontiguousarray((joined[order] * halved[:, None]).T)
 
 
 def _head(weights, name, unit):
@@ -58,7 +59,7 @@ class LstmCell:
     """
 
     def __init__(self, weights, joints):
-        self._gates, self._bias = _gates(weights)
+        self._gates = _gates(weights)
         self._joint_bounds = np.array([CORRECTION, GAIN])
         self._load_bounds = np.repeat([SHIFT, SPREAD], 10)
         # A tanh that is bounded by its slope at zero, but for the correction.
@@ -71,13 +72,16 @@ class LstmCell:
     def restart(self):
         """Forget the past."""
         self.memory = np.zeros((2, self._joints, self._gates.shape[1] // 4))
+        # What the gates see: inputs, output, and a constant for the bias.
+        self._seen = np.ones((self._joints, len(self._gates)))
 
     def step(self, inputs):
         """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
         h, c = self.memory
         hidden = c.shape[1]
-        gates = np.concatenate([inputs, h], axis=1).dot(self._gates)
-        gates += self._bias
+        seen = self._seen
+        seen[:, :-hidden - 1], seen[:, -hidden - 1:-1] = inputs, h
+        gates = seen.dot(self._gates)
         np.tanh(gates, out=gates)
         opened = gates[:, :3 * hidden]
         opened *= 0.5
