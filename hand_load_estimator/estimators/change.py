@@ -73,7 +73,7 @@ class RecentData:
         self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
         if len(self.pieces) > max(WINDOWS):
-            # A sum anew would cost ten times as much, and what rounding leaves here is 1e-13.
+            # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
             self._closed.add(self.older, self._fade - 1.0)
             self.older.scale(self._fade)
             self.older.add(self.pieces.popleft())
