@@ -167,3 +167,14 @@ def test_old_data_fade_with_the_stated_memory():
         recent.add(ones, np.zeros(6), np.ones(6), PIECE)
     faded = np.sum(np.exp(-PIECE / 10.0 * np.arange(100)))
     assert recent.total().matrix[0, 0] == pytest.approx(6.0 * (max(WINDOWS) + faded), rel=1e-6)
+
+
+def test_the_kept_sum_is_the_sum_of_the_pieces():
+    rng, recent = np.random.default_rng(4), RecentData(6, 2, memory=5.0)
+    for _ in range(400):
+        recent.add(rng.normal(size=(6, 12)), rng.normal(size=6), np.ones(6), 0.04)
+    recent.add(np.zeros((6, 12)), np.zeros(6), np.ones(6), PIECE)
+    for name in ('matrix', 'vector', 'by_joint'):
+        parts = [getattr(part, name) for part in (recent.older, *recent.pieces)]
+        np.testing.assert_allclose(getattr(recent.total(), name), np.sum(parts, axis=0),
+                                   rtol=1e-10, atol=1e-10)
