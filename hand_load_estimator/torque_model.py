@@ -129,9 +129,10 @@ def nuisance_columns(columns, uncertain, drift, x):
     known, places = uncertain.shape[1], np.arange(DRIFTS * n)
     out = np.zeros((count, n, known + DRIFTS * n))
     out[:, :, :known] = columns @ uncertain
-    basis = np.ones((count, DRIFTS * n))
-    basis[:, n:2 * n], basis[:, 2 * n:] = x.z, x.v
-    out[:, places % n, known + places] = drift.T.ravel() * basis
+    basis = np.empty((count, DRIFTS, n))
+    basis[:, 0], basis[:, 1], basis[:, 2] = 1.0, x.z, x.v
+    basis *= drift.T
+    out[:, places % n, known + places] = basis.reshape(count, -1)
     return out
 
 

@@ -74,7 +74,7 @@ class RecentData:
         self._open, self._length = Information(*self.size), 0.0
         if len(self.pieces) > max(WINDOWS):
             # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
-            self._closed.add(self.older, self._fade - 1.0)
+            self._closed.take_off(self.older, 1.0 - self._fade)
             self.older.scale(self._fade)
             self.older.add(self.pieces.popleft())
         return True

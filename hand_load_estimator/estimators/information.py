@@ -82,11 +82,16 @@ class Information:
         if len(self.by_joint):
             self.by_joint += weighted.T[:, :, None] * columns[:, None, :10]
 
-    def add(self, other, factor=1.0):
-        """Add another Information of the same unknowns, times a factor."""
-        self._sums += factor * other._sums
+    def add(self, other):
+        """Add another Information of the same unknowns."""
+        self._sums += other._sums
         if len(self.by_joint):
-            self.by_joint += factor * other.by_joint
+            self.by_joint += other.by_joint
+
+    def take_off(self, other, share):
+        """Subtract a share in [0, 1] of another Information of the same unknowns."""
+        self._sums -= share * other._sums
+        self.by_joint -= share * other.by_joint
 
     def plus(self, other):
         """Return the sum with another Information of the same unknowns."""
