@@ -137,9 +137,10 @@ def message_jacobian_of_shape(shape):
     """Return d message / d shape, (..., 10, 10)."""
     shape = np.asarray(shape, dtype=float)
     jacobian = np.zeros(shape.shape + (10,))
-    jacobian[..., range(4), range(4)] = 1.0
+    diagonal = np.einsum('...ii->...i', jacobian)
+    diagonal[..., :4] = 1.0
+    diagonal[..., 4:] = shape[..., :1]
     jacobian[..., 4:, 0] = shape[..., 4:]
-    jacobian[..., range(4, 10), range(4, 10)] = shape[..., :1]
     return jacobian
 
 
@@ -150,41 +151,45 @@ _STEINER = np.array([(i == j) * np.eye(3) - 0.5 * (np.outer(np.eye(3)[i], np.eye
 _SHAPE_OF_PRODUCT = [4 + _MESSAGE_TENSOR.index(ij) for ij in _PRODUCT_TENSOR]
 
 
-def _moments_per_mass(shape):
-    """Return second moments about the origin per mass (..., 6), their slope in c (..., 6, 3)."""
-    c = shape[..., 1:4]
-    turned = c @ _STEINER.reshape(18, 3).T
-    turned = turned.reshape(c.shape[:-1] + (6, 3))
-    moments = shape[..., _SHAPE_OF_PRODUCT] + (turned @ c[..., None])[..., 0]
-    return moments, 2.0 * turned
+def _jacobian_coefficients():
+    """Return (31, 10, 10): d products / d shape as coefficients of _terms()."""
+    # Pairs of (1, m, x, y, z), then g; no entry needs more than that.
+    pairs, g = np.zeros((5, 5, 10, 10)), np.zeros((6, 10, 10))
+    pairs[0, 0, 0, 0] = 1.0
+    for axis in range(3):
+        pairs[0, 2 + axis, 1 + axis, 0] = pairs[0, 1, 1 + axis, 1 + axis] = 1.0
+    for k, place in enumerate(_SHAPE_OF_PRODUCT):
+        g[place - 4, 4 + k, 0] = pairs[0, 1, 4 + k, place] = 1.0
+        pairs[2:, 2:, 4 + k, 0] = _STEINER[k]
+        pairs[1, 2:, 4 + k, 1:4] = 2.0 * _STEINER[k]
+    return np.concatenate([pairs.reshape(25, 10, 10), g])
+
+
+_JACOBIAN = _jacobian_coefficients().reshape(31, 100)
+# The first column of the Jacobian is h of products = mass h(shape).
+_PER_MASS = np.ascontiguousarray(_JACOBIAN[:, ::10])
+
+
+def _terms(shape):
+    """Return (..., 1, 31): the monomials that the Jacobian of the products is linear in."""
+    lead = np.empty(shape.shape[:-1] + (5,))
+    lead[..., 0], lead[..., 1:] = 1.0, shape[..., :4]
+    pairs = lead[..., :, None] * lead[..., None, :]
+    terms = np.concatenate([pairs.reshape(shape.shape[:-1] + (25,)), shape[..., 4:]], axis=-1)
+    return terms[..., None, :]
 
 
 def products_from_shape(shape):
     """Return (..., 10) products of (..., 10) shape vectors."""
     shape = np.asarray(shape, dtype=float)
-    moments, _ = _moments_per_mass(shape)
-    return shape[..., :1] * np.concatenate(
-        [np.ones_like(shape[..., :1]), shape[..., 1:4], moments], axis=-1)
-
-
-# Where the mass itself stands in d products / d shape.
-_MASS_ROWS, _MASS_COLUMNS = list(range(1, 10)), [1, 2, 3, *_SHAPE_OF_PRODUCT]
+    return shape[..., :1] * (_terms(shape) @ _PER_MASS)[..., 0, :]
 
 
 def products_and_jacobian_of_shape(shape):
     """Return products (..., 10) and d products / d shape (..., 10, 10)."""
     shape = np.asarray(shape, dtype=float)
-    moments, slope = _moments_per_mass(shape)
-    mass = shape[..., 0]
-    jacobian = np.zeros(shape.shape + (10,))
-    jacobian[..., 0, 0] = 1.0
-    jacobian[..., 1:4, 0] = shape[..., 1:4]
-    jacobian[..., 4:, 0] = moments
-    # The first column is h of products = mass h(shape).
-    products = mass[..., None] * jacobian[..., 0]
-    jacobian[..., _MASS_ROWS, _MASS_COLUMNS] = mass[..., None]
-    jacobian[..., 4:, 1:4] = mass[..., None, None] * slope
-    return products, jacobian
+    jacobian = (_terms(shape) @ _JACOBIAN).reshape(shape.shape + (10,))
+    return shape[..., :1] * jacobian[..., 0], jacobian
 
 
 def products_jacobian_of_shape(shape):

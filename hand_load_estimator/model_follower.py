@@ -88,7 +88,7 @@ class ModelFollower:
 
     def _believed(self, x):
         """Return the torque (n,) [Nm] of what is believed to be held."""
-        if not self._carried.any():
+        if not self.model.layout.needs or not self._carried.any():
             return 0.0
         return self.model.load_regressor(x.q[0], x.v[0], x.a[0]) @ self._carried
 

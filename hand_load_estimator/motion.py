@@ -90,14 +90,16 @@ class MotionFilter:
 
     def update(self, stamp, q, v, effort):
         """Return a MotionSample when one is due, else None. stamp must increase."""
-        signal = np.stack([q, v, effort])
+        signal = np.array((q, v, effort))
         if self._state is not None and stamp - self._stamp > LONGEST_GAP:
             self.gaps += 1
             self._state = None
         if self._state is None or np.isnan(v).any() != self._without_velocity:
             return self._start(stamp, signal)
         dt = stamp - self._stamp
-        self._advance(dt, np.nan_to_num(signal))
+        if self._without_velocity:
+            signal[1] = 0.0
+        self._advance(dt, signal)
         self._stamp = stamp
         self._messages += 1
         self._period += 0.1 * (dt - self._period) if self._period else dt
@@ -108,11 +110,12 @@ class MotionFilter:
 
     def _start(self, stamp, signal):
         self._without_velocity = bool(np.isnan(signal[1]).any())
-        signal = np.nan_to_num(signal)
+        if self._without_velocity:
+            signal[1] = 0.0
         # The filter starts as if the first reading had stood for ever, which is exact at rest;
         # `settled` tells when the start no longer shows in the acceleration.
-        self._state = np.repeat(signal[None], 3, axis=0)
-        self._input, self._stamp, self._emitted = signal, stamp, stamp
+        self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
+        self._stamp = self._emitted = stamp
         self._started, self._period, self._messages = stamp, 0.0, 0
         return None
 
@@ -121,16 +124,14 @@ class MotionFilter:
         if key not in self._steps:
             if len(self._steps) > 4096:
                 self._steps.clear()
-            self._steps[key] = filter_step(key)
-        matrix, before, now = self._steps[key]
-        shape = self._state.shape
-        state = matrix @ self._state.reshape(3, -1)
-        state += np.multiply.outer(before, self._input.ravel())
-        state += np.multiply.outer(now, signal.ravel())
-        self._state, self._input = state.reshape(shape), signal
+            self._steps[key] = np.column_stack(filter_step(key))
+        # Rows: the three stages, the input before and now, which one product joins.
+        state = self._state
+        state[3], state[4] = state[4], signal.ravel()
+        state[:3] = self._steps[key].dot(state)
 
     def _sample(self, stamp):
-        first, second, third = self._state
+        first, second, third = self._state[:3].reshape(3, 3, self._n)
         w = BANDWIDTH
         if self._without_velocity:
             v = w * (second[0] - third[0])

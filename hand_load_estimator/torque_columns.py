@@ -37,7 +37,8 @@ class EffectUse:
 
 def warmth_of(robot, temperature):
     """Return temperature less reference [K], 0 where it is NaN."""
-    return np.nan_to_num(temperature - robot.reference_temperature)
+    warmth = temperature - robot.reference_temperature
+    return np.where(np.isnan(warmth), 0.0, warmth)
 
 
 def effect_slices(n, uses):
@@ -79,7 +80,7 @@ class ColumnLayout:
     def __init__(self, n, uses):
         self.size, self.links = parameter_count(n, uses), 10 * n
         pairs = effect_slices(n, uses)
-        self._plain, self._torque_bound = [], []
+        plain, torque_bound = [], []
         for name in dict.fromkeys(use.name for use in uses):
             effect = EFFECTS[name]
             own = [(use, where) for use, where in pairs if use.name == name]
@@ -89,22 +90,22 @@ class ColumnLayout:
             if effect.whole_arm:
                 joints = np.arange(n)
             group = effect, joints, shape, places
-            (self._torque_bound if effect.needs & _TORQUES else self._plain).append(group)
+            (torque_bound if effect.needs & _TORQUES else plain).append(group)
+        self._plain, self._torque_bound = _Groups(plain, n), _Groups(torque_bound, n)
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
 
     def fill(self, columns, x):
         """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
-        _fill(self._plain, columns, x)
+        self._plain.fill(columns, x)
 
     def fill_torque_bound(self, columns, x):
         """Write the effects that depend on torques into columns (N, n, P)."""
-        _fill(self._torque_bound, columns, x)
+        self._torque_bound.fill(columns, x)
 
     def plain_torque(self, columns, mean):
         """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
         bound = np.zeros(self.size, dtype=bool)
-        for *_, places in self._torque_bound:
-            bound[places.ravel()] = True
+        bound[self._torque_bound.places] = True
         return columns @ np.where(bound, 0.0, mean)
 
 
@@ -112,9 +113,30 @@ class ColumnLayout:
 _TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late', 'play'})
 
 
-def _fill(groups, columns, x):
-    for effect, joints, shape, places in groups:
-        columns[:, joints[:, None], places] = effect.columns(x, joints, shape)
+class _Groups:
+    """
+    Groups of (effect, joints (m,), shape, places in x (m or 1, k)) that are written together.
+
+    places: all of theirs, in a row.
+    """
+
+    def __init__(self, groups, n):
+        # A slice spares columns of all joints the copy that an index makes; what depends on
+        # torques wants the numbers.
+        self._groups = [
+            (effect, slice(None) if np.array_equal(joints, np.arange(n))
+             and not effect.needs & _TORQUES else joints, shape)
+            for effect, joints, shape, _ in groups]
+        pairs = [np.broadcast_arrays(joints[:, None], places) for _, joints, _, places in groups]
+        self._joints, self.places = (np.concatenate([p[k].ravel() for p in pairs]).astype(int)
+                                     if pairs else np.zeros(0, dtype=int) for k in range(2))
+
+    def fill(self, columns, x):
+        """Write the effects into columns (N, n, P)."""
+        if self._groups:
+            columns[:, self._joints, self.places] = np.concatenate(
+                [effect.columns(x, joints, shape).reshape(len(columns), -1)
+                 for effect, joints, shape in self._groups], axis=1)
 
 
 def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,

@@ -126,11 +126,13 @@ def nuisance_columns(columns, uncertain, drift, x):
     columns Y (N, n, P); uncertain (P, r); drift (n, 3); x: the EffectInput of the columns.
     """
     count, n = x.q.shape
-    out = np.zeros((count, n, uncertain.shape[1] + DRIFTS * n))
-    out[:, :, :uncertain.shape[1]] = columns @ uncertain
-    joints = np.arange(n)
-    for k, basis in enumerate((np.ones_like(x.v), x.z, x.v)):
-        out[:, joints, uncertain.shape[1] + k * n + joints] = drift[:, k] * basis
+    known, places = uncertain.shape[1], np.arange(DRIFTS * n)
+    out = np.zeros((count, n, known + DRIFTS * n))
+    out[:, :, :known] = columns @ uncertain
+    basis = np.empty((count, DRIFTS, n))
+    basis[:, 0], basis[:, 1], basis[:, 2] = 1.0, x.z, x.v
+    basis *= drift.T
+    out[:, places % n, known + places] = basis.reshape(count, -1)
     return out
 
 

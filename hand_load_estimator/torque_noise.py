@@ -76,7 +76,7 @@ class SampleNoise:
         if len(self._last) == 5:
             step = round(_PER_OCTAVE * math.log2(max(dt, _SHORTEST) / 0.02))
             gain = difference_gain(step, min(messages, _MOST))
-            square = (_DIFFERENCES @ np.array(self._last)) ** 2 / gain
+            square = _DIFFERENCES.dot(np.array(self._last)) ** 2 / gain
             self._count = min(self._count + 1, _MEMORY)
             self._mean = self._mean + (np.minimum(square, _CLIP * self._mean)
                                        - self._mean) / self._count

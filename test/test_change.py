@@ -126,18 +126,18 @@ def test_evidence_is_the_ratio_of_two_normals(extra, mass):
     mean = np.concatenate([block(2.0).to_products(), np.zeros(extra)])
     root = 0.05 * rng.normal(size=(d, d))
     covariance, change = root @ root.T, np.diag(np.linspace(0.5, 0.02, 10) ** 2)
-    got = log_bayes_factor(recent, mean, covariance, change)
+    got = log_bayes_factor(recent, mean, np.linalg.inv(covariance), change)
     assert got == pytest.approx(dense_factor(recent, mean, covariance, change), rel=1e-5,
                                 abs=1e-5)
 
 
 def test_evidence_speaks_for_the_same_load_and_against_another():
     rng = np.random.default_rng(2)
-    covariance, change = 1e-6 * np.eye(10), np.diag([4.0] + [0.2] * 3 + [0.02] * 6)
+    precision, change = 1e6 * np.eye(10), np.diag([4.0] + [0.2] * 3 + [0.02] * 6)
     same = log_bayes_factor(information(rng, block(3.0), 30), block(3.0).to_products(),
-                            covariance, change)
+                            precision, change)
     other = log_bayes_factor(information(rng, block(5.0), 30), block(3.0).to_products(),
-                             covariance, change)
+                             precision, change)
     assert same < 0.0 and other > EVIDENCE
 
 
@@ -167,3 +167,14 @@ def test_old_data_fade_with_the_stated_memory():
         recent.add(ones, np.zeros(6), np.ones(6), PIECE)
     faded = np.sum(np.exp(-PIECE / 10.0 * np.arange(100)))
     assert recent.total().matrix[0, 0] == pytest.approx(6.0 * (max(WINDOWS) + faded), rel=1e-6)
+
+
+def test_the_kept_sum_is_the_sum_of_the_pieces():
+    rng, recent = np.random.default_rng(4), RecentData(6, 2, memory=5.0)
+    for _ in range(400):
+        recent.add(rng.normal(size=(6, 12)), rng.normal(size=6), np.ones(6), 0.04)
+    recent.add(np.zeros((6, 12)), np.zeros(6), np.ones(6), PIECE)
+    for name in ('matrix', 'vector', 'by_joint'):
+        parts = [getattr(part, name) for part in (recent.older, *recent.pieces)]
+        np.testing.assert_allclose(getattr(recent.total(), name), np.sum(parts, axis=0),
+                                   rtol=1e-10, atol=1e-10)

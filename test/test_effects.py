@@ -98,6 +98,18 @@ def test_another_joint_changes_nothing(name):
     assert of_joint(effect, x, 1).shape == of_joint(effect, x, 2).shape
 
 
+def test_joints_may_be_declared_in_any_order():
+    x, n = inputs(), 4
+    uses = [EffectUse(name, joint, EFFECTS[name].default_shape())
+            for name in ('viscous_friction', 'stribeck_friction') for joint in (2, 0, 3, 1)]
+    columns = np.zeros((60, n, parameter_count(n, uses)))
+    ColumnLayout(n, uses).fill(columns, x)
+    for use, where in effect_slices(n, uses):
+        np.testing.assert_array_equal(columns[:, use.joint, where],
+                                      use.effect.columns(x, use.joint, use.shape))
+    assert np.count_nonzero(columns) == 60 * (4 + 8)
+
+
 def test_time_delay_is_the_torque_shifted():
     """A delay of whole samples is exactly the torque of those samples ago; others lie between."""
     t = np.arange(80) * DT

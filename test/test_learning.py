@@ -136,6 +136,31 @@ def test_features_count_and_missing_temperatures():
     np.testing.assert_array_less(np.abs(features(*arguments)), 2.01)
 
 
+@pytest.mark.parametrize('batch', [(), (3,)])
+def test_features_one_by_one(batch):
+    """Every input by its own formula, at the place the weights of shipped networks expect."""
+    robot, rng, n = four_axes(), np.random.default_rng(5), 4
+    q, v, a, warmth, z, difference, innovation, torque, relative = rng.normal(
+        0.0, 3.0, (9, *batch, n))
+    doubt, density, variance, excess = np.abs(rng.normal(0.0, 2.0, (4, *batch, n)))
+    rmse, intensity = rng.uniform(0.1, 2.0, (2, n))
+    std = rng.uniform(1e-5, 1.0, (*batch, 10))
+    warmth[..., 1] = np.nan
+    got = features(robot.limits, (rmse, intensity), (q, v, a), warmth, (z, doubt, density),
+                   difference, (innovation, variance, torque), (relative, excess), std)
+    wanted = [np.sin(q), np.cos(q), v / robot.limits.velocity, a / robot.limits.acceleration,
+              *(np.arcsinh(x / rmse) / 3.0
+                for x in (difference, innovation, np.sqrt(variance), torque)),
+              np.nan_to_num(warmth) / 20.0, z, np.minimum(doubt, 1.0),
+              np.minimum(np.log(density / intensity) / 6.0, 2.0), np.arcsinh(v / 0.01) / 3.0,
+              np.arcsinh(relative) / 3.0, np.minimum(np.log(excess + 0.01) / 3.0, 2.0),
+              *(np.broadcast_to(row, q.shape) for row in np.eye(n)),
+              *(np.maximum(np.log(std[..., k, None]) / 5.0, -1.4) + 0.0 * q for k in range(10)),
+              np.ones_like(q)]
+    assert got.shape == (*batch, n, feature_count(n))
+    np.testing.assert_allclose(got, np.stack(wanted, axis=-1), rtol=1e-13, atol=1e-15)
+
+
 def test_random_loads_are_bodies_the_hand_may_hold():
     robot, rng = four_axes(), np.random.default_rng(3)
     loads = [random_load(rng, robot) for _ in range(300)]

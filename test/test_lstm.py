@@ -216,6 +216,16 @@ def test_factors_follow_how_well_a_parameter_is_determined():
     np.testing.assert_allclose(factors_at(factors, level_of(np.full(10, 3.0), np.ones(10))), 6.0)
 
 
+def test_factors_are_interpolated_linearly_one_row_each():
+    rng = np.random.default_rng(1)
+    factors, level = rng.uniform(0.5, 3.0, (10, len(LEVELS))), rng.uniform(-3.0, 0.5, 10)
+    # Shares by distance are an interpolation at even spacing only.
+    assert np.ptp(np.diff(LEVELS)) == 0.0
+    np.testing.assert_allclose(
+        factors_at(factors, level),
+        [np.interp(x, LEVELS, row) for x, row in zip(level, factors)], rtol=1e-13)
+
+
 def test_a_changed_load_is_noticed_in_step_with_bayes(silent):
     model = exact_model('four')
     stream = messages(model, LoadParameters(), 5.0, change=(2.5, block(2.0)))

@@ -1,11 +1,10 @@
 """Friction of constant size."""
 
 from .effect import Effect
-from .smooth_sign import sign_of
 
 
 def _columns(x, j, _):
-    return sign_of(x.v[:, j])[..., None]
+    return x.sign[:, j][..., None]
 
 
 COULOMB_FRICTION = Effect(

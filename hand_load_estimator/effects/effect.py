@@ -2,8 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+
+from .smooth_sign import sign_of
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,19 @@ class EffectInput:
     tilt: np.ndarray | None = None
     late: Callable | None = None
     play: Callable | None = None
+
+    @cached_property
+    def sign(self):
+        """Smoothed sign of v (N, n), which several kinds of friction have in common."""
+        return sign_of(self.v)
+
+
+def side_by_side(*columns):
+    """Return (..., k) of k columns (...); a stack without its price for small ones."""
+    out = np.empty(columns[0].shape + (len(columns),))
+    for k, column in enumerate(columns):
+        out[..., k] = column
+    return out
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from .effect import Effect
+from .effect import Effect, side_by_side
 
 
 def _columns(x, j, _):
     # The levels belong to the directions the contacts are bent in: where they are not bent, on
     # the way between the levels, nothing is left of the difference. That tells it from an offset.
-    return np.stack([np.abs(x.z[:, j]), np.abs(x.v[:, j])], axis=-1)
+    return side_by_side(np.abs(x.z[:, j]), np.abs(x.v[:, j]))
 
 
 FRICTION_ASYMMETRY = Effect(

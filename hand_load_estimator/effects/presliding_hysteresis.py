@@ -1,11 +1,10 @@
 """Friction before a joint has really moved."""
 
 from .effect import Effect, Shape
-from .smooth_sign import sign_of
 
 
 def _columns(x, j, _):
-    return (x.z[:, j] - sign_of(x.v[:, j]))[..., None]
+    return (x.z[:, j] - x.sign[:, j])[..., None]
 
 
 PRESLIDING_HYSTERESIS = Effect(

@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from .effect import Effect, Shape
-from .smooth_sign import sign_of
+from .effect import Effect, Shape, side_by_side
 
 
 def _columns(x, j, shape):
-    v = x.v[:, j]
-    bump = sign_of(v) * np.exp(-np.abs(v) / shape['stribeck_velocity'])
-    return np.stack([bump, bump * x.warmth[:, j]], axis=-1)
+    bump = x.sign[:, j] * np.exp(-np.abs(x.v[:, j]) / shape['stribeck_velocity'])
+    return side_by_side(bump, bump * x.warmth[:, j])
 
 
 STRIBECK_FRICTION = Effect(

@@ -1,11 +1,10 @@
 """Coulomb friction that changes with temperature."""
 
 from .effect import Effect
-from .smooth_sign import sign_of
 
 
 def _columns(x, j, _):
-    return (sign_of(x.v[:, j]) * x.warmth[:, j])[..., None]
+    return (x.sign[:, j] * x.warmth[:, j])[..., None]
 
 
 TEMPERATURE_DEPENDENT_COULOMB_FRICTION = Effect(

@@ -1,13 +1,12 @@
 """Viscous friction that changes with temperature."""
 
-import numpy as np
-
-from .effect import Effect
+from .effect import Effect, side_by_side
 
 
 def _columns(x, j, _):
-    v, warmth = x.v[:, j], x.warmth[:, j]
-    return np.stack([v * warmth, v * warmth ** 2], axis=-1)
+    warmth = x.warmth[:, j]
+    linear = x.v[:, j] * warmth
+    return side_by_side(linear, linear * warmth)
 
 
 TEMPERATURE_DEPENDENT_VISCOUS_FRICTION = Effect(

@@ -9,6 +9,8 @@ not. What is unexplained all the time is no contact but the model's misfit (mism
 
 import numpy as np
 
+from .positive_solve import positive_solve
+
 # A sample is left out above this c for six joints (chance: 1e-7) and this share of the c that
 # is left without K P K^T: another load that the model gets wrong by a tenth is still a load.
 LIMIT_PER_JOINT, SHARE = 7.0, 0.05
@@ -41,6 +43,7 @@ class ContactGate:
     def __init__(self, joints, rmse, level, change, gain_doubt=0.0):
         self._joints, self._variance = joints, rmse ** 2
         self._held, self._doubt = STATIC * level, max(gain_doubt, MISREAD) ** 2
+        self._held_square = self._held ** 2
         values, vectors = np.linalg.eigh(change)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
         self._limit = LIMIT_PER_JOINT * len(joints)
@@ -59,7 +62,7 @@ class ContactGate:
         Return whether to leave the sample out.
         """
         unexplained, left, alone = self._unexplained(prediction, innovation, load_torque)
-        if (prediction.doubt < KNOWN).any():
+        if prediction.doubt.min() < KNOWN:
             self._seen += dt
         limit = self._limit * max(self._usual, 1.0)
         over = self._seen > ARMED and unexplained > max(limit, SHARE * alone)
@@ -120,16 +123,16 @@ class ContactGate:
 
     def _covariances(self, prediction, own):
         """Return (n, n) [Nm^2]: of all but another load, with own (n,) noise, and of that."""
-        known = prediction.model_columns @ prediction.model_columns.T
-        known[np.diag_indices(len(own))] += own
-        free = prediction.load_columns @ self._root
-        return known, free @ free.T
+        known = prediction.model_columns.dot(prediction.model_columns.T)
+        known.ravel()[::len(own) + 1] += own
+        free = prediction.load_columns.dot(self._root)
+        return known, free.dot(free.T)
 
     def _unexplained(self, prediction, innovation, load_torque):
         """Return c, the torque (n,) [Nm] that is noise at best, and c without another load."""
-        own = self._variance + np.minimum(prediction.stuck, self._held ** 2)
+        own = self._variance + np.minimum(prediction.stuck, self._held_square)
         own = own + self._doubt * (load_torque + innovation) ** 2
         known, free = self._covariances(prediction, own)
-        solved = np.linalg.solve(np.stack([known + free, known]), innovation[:, None])
-        weighed = solved[0, :, 0]
-        return innovation @ weighed, own * weighed, innovation @ solved[1, :, 0]
+        weighed = positive_solve(known + free, innovation)
+        alone = innovation @ positive_solve(known, innovation)
+        return innovation @ weighed, own * weighed, alone

@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from ..load import (message_from_shape, message_jacobian_of_shape,
-                    products_and_jacobian_of_shape, products_from_shape,
-                    products_jacobian_of_shape)
+                    products_and_jacobian_of_shape)
+from .positive_solve import positive_solve, unit
 
 # Gauss-Newton steps from the last solution: at most so many, and none after one shorter than this
 # many standard deviations, which leaves an error of its square.
@@ -44,15 +44,19 @@ class Posterior:
         return message_covariance(self.shape, self.shape_covariance)
 
     @cached_property
+    def _products_and_jacobian(self):
+        return products_and_jacobian_of_shape(self.shape)
+
+    @property
     def products(self):
         """The estimate u (10,) as products."""
-        return products_from_shape(self.shape)
+        return self._products_and_jacobian[0]
 
     @cached_property
     def products_covariance(self):
         """S (10, 10): covariance of the products."""
-        jacobian = products_jacobian_of_shape(self.shape)
-        return jacobian @ self.shape_covariance @ jacobian.T
+        _, jacobian = self._products_and_jacobian
+        return jacobian.dot(self.shape_covariance).dot(jacobian.T)
 
 
 class Information:
@@ -60,31 +64,45 @@ class Information:
     Sums of data information for d = 10 + r unknowns.
 
     matrix (d, d) and vector (d,); by_joint (n, d, 10): each joint's columns for the load, from
-    which the doubt about its torque constant is carried into the covariance.
+    which the doubt about its torque constant is carried into the covariance; n = 0 leaves it out.
     """
 
     def __init__(self, n, nuisances):
         d = 10 + nuisances
-        self.matrix, self.vector = np.zeros((d, d)), np.zeros(d)
+        # The vector stands ahead of the matrix: one operation serves both, and what load_share
+        # solves for lies side by side.
+        self._sums = np.zeros((d, 1 + d))
+        self.vector, self.matrix = self._sums[:, 0], self._sums[:, 1:]
         self.by_joint = np.zeros((n, d, 10))
 
     def add_rows(self, columns, difference, weights):
-        """Add n rows: columns (n, d), difference (n,) [Nm], weights (n,) = precision."""
-        weighted = columns * weights[:, None]
-        self.matrix += weighted.T @ columns
-        self.vector += weighted.T @ difference
-        self.by_joint += weighted[:, :, None] * columns[:, None, :10]
+        """Add rows: columns (., d), difference (.,) [Nm], weights (.,) = precision."""
+        weighted = columns.T * weights
+        self._sums += weighted.dot(np.concatenate([difference[:, None], columns], axis=1))
+        if len(self.by_joint):
+            self.by_joint += weighted.T[:, :, None] * columns[:, None, :10]
 
     def add(self, other):
         """Add another Information of the same unknowns."""
-        self.matrix += other.matrix
-        self.vector += other.vector
-        self.by_joint += other.by_joint
+        self._sums += other._sums
+        if len(self.by_joint):
+            self.by_joint += other.by_joint
+
+    def take_off(self, other, share):
+        """Subtract a share in [0, 1] of another Information of the same unknowns."""
+        self._sums -= share * other._sums
+        self.by_joint -= share * other.by_joint
+
+    def plus(self, other):
+        """Return the sum with another Information of the same unknowns."""
+        out = Information(len(self.by_joint), len(self.vector) - 10)
+        np.add(self._sums, other._sums, out=out._sums)
+        np.add(self.by_joint, other.by_joint, out=out.by_joint)
+        return out
 
     def scale(self, factor):
         """Forget: multiply everything by a factor in [0, 1]."""
-        self.matrix *= factor
-        self.vector *= factor
+        self._sums *= factor
         self.by_joint *= factor
 
     def without_last(self, count):
@@ -105,27 +123,29 @@ class Information:
 
     def load_share(self):
         """Return (10, 10), (10,): information of the load with the nuisances marginalised."""
-        matrix, vector = self.matrix, self.vector
-        if len(vector) == 10:
-            return matrix, vector
-        cross = np.linalg.solve(matrix[10:, 10:] + np.eye(len(vector) - 10),
-                                np.column_stack([matrix[10:, :10], vector[10:]]))
-        share = matrix[:10, :10] - matrix[:10, 10:] @ cross[:, :10]
-        return 0.5 * (share + share.T), vector[:10] - matrix[:10, 10:] @ cross[:, 10]
+        sums = self._sums
+        if len(sums) > 10:
+            sums = sums[:10, :11] - sums[:10, 11:].dot(
+                positive_solve(self._inner(), sums[10:, :11]))
+        matrix = sums[:, 1:]
+        return 0.5 * (matrix + matrix.T), sums[:, 0]
 
     def vectors_by_joint(self, products):
         """Return (n, 10): what each joint's load torque adds to the vector of load_share."""
         vectors = self.by_joint @ products
         if len(self.vector) == 10:
             return vectors
-        inner = self.matrix[10:, 10:] + np.eye(len(self.vector) - 10)
-        solved = np.linalg.solve(inner, vectors[:, 10:].T)
+        solved = positive_solve(self._inner(), vectors[:, 10:].T)
         return vectors[:, :10] - solved.T @ self.matrix[10:, :10]
 
     def nuisance_given(self, products):
         """Return the nuisances' mean (r,) for a known load."""
-        inner = self.matrix[10:, 10:] + np.eye(len(self.vector) - 10)
-        return np.linalg.solve(inner, self.vector[10:] - self.matrix[10:, :10] @ products)
+        return positive_solve(self._inner(),
+                              self.vector[10:] - self.matrix[10:, :10] @ products)
+
+    def _inner(self):
+        """Return (r, r): information of the nuisances, with their unit prior."""
+        return self.matrix[10:, 10:] + unit(len(self.vector) - 10)
 
 
 def shape_posterior(matrix, vector, prior, start):
@@ -134,23 +154,23 @@ def shape_posterior(matrix, vector, prior, start):
 
     matrix, vector: information about the products; prior: LoadPrior; start: shape to begin at.
     """
-    precision, scale = prior.std ** -2.0, np.outer(prior.std, prior.std)
-    shape = start
+    shape, std = start, prior.std
+    # Jacobian and residual side by side: the same products of matrices serve both.
+    sides = np.empty((10, 11))
     for _ in range(STEPS):
-        products, jacobian = products_and_jacobian_of_shape(shape)
-        gradient = jacobian.T @ (vector - matrix @ products)
-        gradient += precision * (prior.mean - shape)
-        hessian = jacobian.T @ matrix @ jacobian
-        hessian[np.diag_indices(10)] += precision
-        # Conditioning: unit prior in every direction.
-        inverse = np.linalg.inv(hessian * scale)
-        gradient *= prior.std
-        step = inverse @ gradient
-        shape = shape + prior.std * step
-        if gradient @ step < SHORT ** 2:
+        sides[:, 10], jacobian = products_and_jacobian_of_shape(shape)
+        # Conditioning: in units of the prior, which is 1 in every direction.
+        np.multiply(jacobian, std, out=sides[:, :10])
+        weighted = matrix.dot(sides)
+        weighted[:, 10] = vector - weighted[:, 10]
+        normal = sides[:, :10].T.dot(weighted)
+        gradient = normal[:, 10] + (prior.mean - shape) / std
+        inverse = positive_solve(normal[:, :10] + unit(10), unit(10))
+        step = inverse.dot(gradient)
+        shape = shape + std * step
+        if gradient.dot(step) < SHORT ** 2:
             break
-    covariance = inverse * scale
-    return shape, 0.5 * (covariance + covariance.T)
+    return shape, (inverse + inverse.T) * prior.half_scale
 
 
 def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
@@ -188,7 +208,7 @@ def gain_covariance(information, shape, covariance, gain_doubt):
 def message_covariance(shape, covariance):
     """Return the covariance in message order of a shape belief; inertia is a product of two."""
     jacobian = message_jacobian_of_shape(shape)
-    out = jacobian @ covariance @ jacobian.T
+    out = jacobian.dot(covariance).dot(jacobian.T)
     # Var(m g) of two unknowns has a second-order part that the linear rule leaves out.
-    out[range(4, 10), range(4, 10)] += covariance[0, 0] * np.diag(covariance)[4:]
+    out.ravel()[44::11] += covariance[0, 0] * covariance.diagonal()[4:]
     return out

@@ -1,6 +1,7 @@
 """What a hand may hold before any data: a wide prior in shape parameters (load.py)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,6 +16,11 @@ class LoadPrior:
 
     mean: np.ndarray
     std: np.ndarray
+
+    @cached_property
+    def half_scale(self):
+        """Half the products (10, 10) of standard deviations: a covariance's scale, in halves."""
+        return 0.5 * np.outer(self.std, self.std)
 
 
 def load_prior(robot):

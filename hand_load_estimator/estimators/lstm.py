@@ -13,7 +13,6 @@ from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
 from ..load import message_from_shape
-from ..torque_columns import warmth_of
 from .contact_gate import ContactGate
 from .information import message_covariance
 from .load_prior import load_prior
@@ -25,14 +24,31 @@ from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
 
-def _sigmoid(x):
-    return 1.0 / (1.0 + np.exp(-x))
-
-
 def _part(state, name):
     """Return the entries of a state that begin with a name, without it."""
     return {key.partition('.')[2]: value for key, value in state.items()
             if key.startswith(f'{name}.')}
+
+
+def _gates(weights):
+    """
+    Return (F + H + 1, 4 H) for inputs, output and a 1 side by side; gate order i, f, o, g.
+
+    A sigmoid is half a tanh of half its argument, so that one tanh serves all gates.
+    """
+    bias = weights['lstm.bias_ih_l0'] + weights['lstm.bias_hh_l0']
+    joined = np.concatenate([weights['lstm.weight_ih_l0'], weights['lstm.weight_hh_l0'],
+                             bias[:, None]], axis=1)
+    hidden = len(bias) // 4
+    order = np.r_[:2 * hidden, 3 * hidden:4 * hidden, 2 * hidden:3 * hidden]
+    halved = np.repeat([0.5, 0.5, 0.5, 1.0], hidden)
+    return np.ascontiguousarray((joined[order] * halved[:, None]).T)
+
+
+def _head(weights, name, unit):
+    """Return matrix and bias of a head with each output in its unit."""
+    return (np.ascontiguousarray((weights[f'{name}.weight'] / unit[:, None]).T),
+            weights[f'{name}.bias'] / unit)
 
 
 class LstmCell:
@@ -43,33 +59,39 @@ class LstmCell:
     """
 
     def __init__(self, weights, joints):
-        self._input = weights['lstm.weight_ih_l0'].T
-        self._hidden = weights['lstm.weight_hh_l0'].T
-        self._bias = weights['lstm.bias_ih_l0'] + weights['lstm.bias_hh_l0']
-        self._joint = weights['joint_head.weight'].T, weights['joint_head.bias']
-        self._load = weights['load_head.weight'], weights['load_head.bias']
+        self._gates = _gates(weights)
+        self._joint_bounds = np.array([CORRECTION, GAIN])
+        self._load_bounds = np.repeat([SHIFT, SPREAD], 10)
+        # A tanh that is bounded by its slope at zero, but for the correction.
+        self._joint = _head(weights, 'joint_head', np.array([1.0, GAIN]))
+        self._load = _head(weights, 'load_head', self._load_bounds)
         self._joints = joints
         self.fingerprint = np.array([np.abs(value).sum() for value in weights.values()])
         self.restart()
 
     def restart(self):
         """Forget the past."""
-        self.memory = np.zeros((2, self._joints, self._hidden.shape[0]))
+        self.memory = np.zeros((2, self._joints, self._gates.shape[1] // 4))
+        # What the gates see: inputs, output, and a constant for the bias.
+        self._seen = np.ones((self._joints, len(self._gates)))
 
     def step(self, inputs):
         """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
         h, c = self.memory
-        gates = inputs @ self._input + h @ self._hidden + self._bias
         hidden = c.shape[1]
-        i, f, _, o = (opened[:, k:k + hidden] for opened in (_sigmoid(gates),)
-                      for k in range(0, 4 * hidden, hidden))
-        c = f * c + i * np.tanh(gates[:, 2 * hidden:3 * hidden])
-        h = o * np.tanh(c)
+        seen = self._seen
+        seen[:, :-hidden - 1], seen[:, -hidden - 1:-1] = inputs, h
+        gates = seen.dot(self._gates)
+        np.tanh(gates, out=gates)
+        opened = gates[:, :3 * hidden]
+        opened *= 0.5
+        opened += 0.5
+        c = opened[:, hidden:2 * hidden] * c + opened[:, :hidden] * gates[:, 3 * hidden:]
+        h = opened[:, 2 * hidden:] * np.tanh(c)
         self.memory = h, c
-        joint = h @ self._joint[0] + self._joint[1]
-        load = self._load[0] @ h.ravel() + self._load[1]
-        return (CORRECTION * np.tanh(joint[:, 0]), GAIN * np.tanh(joint[:, 1] / GAIN),
-                SHIFT * np.tanh(load[:10] / SHIFT), SPREAD * np.tanh(load[10:] / SPREAD))
+        joint = self._joint_bounds * np.tanh(h.dot(self._joint[0]) + self._joint[1])
+        load = self._load_bounds * np.tanh(h.ravel().dot(self._load[0]) + self._load[1])
+        return joint[:, 0], joint[:, 1], load[:10], load[10:]
 
 
 class Lstm(Watching):
@@ -154,12 +176,13 @@ class Lstm(Watching):
     def belief(self):
         """Return the present Belief."""
         posterior = self._learned.posterior
-        std = np.sqrt(np.diag(posterior.shape_covariance))
+        std = np.sqrt(posterior.shape_covariance.diagonal())
         shape = posterior.shape + self._shift * std
         wide = np.exp(self._spread)
-        covariance = message_covariance(shape, posterior.shape_covariance * np.outer(wide, wide))
+        covariance = message_covariance(
+            shape, posterior.shape_covariance * wide * wide[:, None])
         factors = factors_at(self._calibration, level_of(wide * std, self._prior.std))
-        return Belief(message_from_shape(shape), covariance * np.outer(factors, factors))
+        return Belief(message_from_shape(shape), covariance * factors * factors[:, None])
 
     def forget(self):
         """Forget the load."""
@@ -205,14 +228,13 @@ class Lstm(Watching):
         """Renew the plain posterior behind the innovations."""
         posterior = self._plain.update_posterior()
         self._known = self._plain.known()
-        self._relative = np.sqrt(np.diag(posterior.covariance)) / self._prior_std
+        self._relative = np.sqrt(posterior.covariance.diagonal()) / self._prior_std
 
     def _features(self, sample, prediction, load):
         residuals = self._model.residuals
-        warmth = np.where(np.isfinite(sample.temperature),
-                          warmth_of(self._robot, sample.temperature), np.nan)
         slow = self._slow.update(load[0], load[1], prediction.density, sample.dt)
         return features(self._robot.limits, (residuals.rmse, residuals.intensity),
-                        (sample.q, sample.v, sample.a), warmth,
+                        (sample.q, sample.v, sample.a),
+                        sample.temperature - self._robot.reference_temperature,
                         (prediction.z, prediction.doubt, prediction.density),
                         prediction.difference, load, slow, self._relative)

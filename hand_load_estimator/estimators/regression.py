@@ -31,18 +31,22 @@ class LoadRegression:
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
-        self._recent = RecentData(n, nuisances, MEMORY)
+        self._joints = n
+        # Only the doubt about torque constants asks for each joint's part.
+        self._recent = RecentData(n if gain_doubt > 0.0 else 0, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change = 0, None
         self.change = _change_covariance(prior)
+        self._change_precision = np.linalg.inv(self.change)
         self._turn, self._unchecked = 0, None
         self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
         """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
-        moved = sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
-        difference = difference - columns[:, :10] @ self._zero
+        moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
+        if self._tare is not None:
+            difference = difference - columns[:, :10] @ self._zero
         if self._recent.add(columns, difference, weights, moved) and self._watch:
             self._unchecked = sample.stamp
 
@@ -57,8 +61,7 @@ class LoadRegression:
         if split is None:
             return
         older, recent = split
-        mean, covariance = self._older_belief(older)
-        if log_bayes_factor(recent, mean, covariance, self.change) > EVIDENCE:
+        if log_bayes_factor(recent, *self._older_belief(older), self.change) > EVIDENCE:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp)
 
@@ -125,9 +128,9 @@ class LoadRegression:
                   'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
         state = checked(state, shapes)
         total = Information(n, size)
-        total.matrix, total.vector = state['matrix'], state['vector']
-        total.by_joint = state['by_joint']
-        self._recent.begin_with(total.without_last(DRIFTS * n))
+        total.matrix[:], total.vector[:] = state['matrix'], state['vector']
+        total.by_joint[:] = state['by_joint']
+        self._recent.begin_with(total.without_last(DRIFTS * self._joints))
         self._unchecked = None
         self._start, self._zero = state['start'], state['zero']
         self._tare = state['tare'] if state['tare'].any() else None
@@ -169,13 +172,13 @@ class LoadRegression:
         return True
 
     def _older_belief(self, older):
-        """Return the belief (d,), (d, d) about load and nuisances from older data."""
+        """Return mean (d,), precision (d, d) of load and nuisances from older data."""
         posterior = posterior_of(older, self._prior, self._start)
         precision = older.matrix.copy()
-        precision[:10, :10] += np.linalg.inv(self.change)
-        precision[range(10, len(precision)), range(10, len(precision))] += 1.0
+        precision[:10, :10] += self._change_precision
+        precision.ravel()[10 * (len(precision) + 1)::len(precision) + 1] += 1.0
         mean = np.concatenate([posterior.products, older.nuisance_given(posterior.products)])
-        return mean, np.linalg.inv(precision)
+        return mean, precision
 
 
 def _change_covariance(prior):

@@ -37,7 +37,7 @@ class RestWatch:
 
         Return whether the load has changed.
         """
-        if (np.abs(sample.v) > STILL).any() or (np.abs(sample.a) > UNFORCED).any():
+        if np.abs(sample.v).max() > STILL or np.abs(sample.a).max() > UNFORCED:
             self._beyond = 0.0
             return False
         limit = self._level + SIGMAS * np.sqrt(self._variance + spread)

@@ -5,7 +5,7 @@ import numpy as np
 
 def joined_columns(prediction):
     """Return (n, 10 + r): load columns beside the model's uncertain directions."""
-    return np.hstack([prediction.load_columns, prediction.model_columns])
+    return np.concatenate([prediction.load_columns, prediction.model_columns], axis=1)
 
 
 def innovation_of(prediction, columns, known, posterior):
@@ -15,6 +15,6 @@ def innovation_of(prediction, columns, known, posterior):
     known (10 + r,): products and nuisances believed; posterior: the Posterior they belong to.
     """
     load = prediction.load_columns
-    spread = np.einsum('ij,jk,ik->i', load, posterior.products_covariance, load)
-    return (prediction.difference - columns @ known, np.maximum(spread, 0.0),
-            load @ known[:10])
+    spread = (load.dot(posterior.products_covariance) * load).sum(axis=1)
+    return (prediction.difference - columns.dot(known), np.maximum(spread, 0.0),
+            load.dot(known[:10]))

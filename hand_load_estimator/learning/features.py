@@ -63,16 +63,23 @@ def features(limits, model, motion, warmth, friction, difference, load, slow, re
     """
     (rmse, intensity), (q, v, a), (z, doubt, density) = model, motion, friction
     innovation, variance, torque = load
-    known = np.isfinite(warmth).any(axis=-1, keepdims=True)
-    per_joint = np.stack([
-        np.sin(q), np.cos(q), v / limits.velocity, a / limits.acceleration,
-        squash(difference / rmse), squash(innovation / rmse), squash(np.sqrt(variance) / rmse),
-        squash(torque / rmse), np.nan_to_num(warmth) / 20.0, z, np.minimum(doubt, 1.0),
-        np.minimum(np.log(density / intensity) / 6.0, 2.0), squash(v / 0.01),
-        squash(slow[0]), np.minimum(np.log(slow[1] + 0.01) / 3.0, 2.0)], axis=-1)
-    shared = np.concatenate(
-        [np.maximum(np.log(relative_std) / 5.0, LEAST_LOG_STD), known], axis=-1)
-    n = q.shape[-1]
-    shape = per_joint.shape[:-1]
-    return np.concatenate([per_joint, np.broadcast_to(np.eye(n), shape + (n,)),
-                           np.broadcast_to(shared[..., None, :], shape + (SHARED,))], axis=-1)
+    n, measured = q.shape[-1], np.isfinite(warmth)
+    out = np.empty(q.shape + (feature_count(n),))
+    out[..., 0], out[..., 1] = np.sin(q), np.cos(q)
+    out[..., 2], out[..., 3] = v / limits.velocity, a / limits.acceleration
+    out[..., 4], out[..., 5], out[..., 6], out[..., 7] = (
+        difference, innovation, np.sqrt(variance), torque)
+    out[..., 4:8] /= rmse[:, None]
+    out[..., 8], out[..., 9] = np.where(measured, warmth, 0.0) / 20.0, z
+    out[..., 10], out[..., 11] = np.minimum(doubt, 1.0), density / intensity
+    out[..., 12], out[..., 13] = v / 0.01, slow[0]
+    out[..., 14] = slow[1] + 0.01
+    for block in (out[..., 4:8], out[..., 12:14]):
+        block[...] = squash(block)
+    logarithms = out[..., 11:PER_JOINT:3]
+    logarithms[...] = np.minimum(np.log(logarithms) / (6.0, 3.0), 2.0)
+    out[..., PER_JOINT:PER_JOINT + n] = np.eye(n)
+    out[..., PER_JOINT + n:-1] = np.maximum(
+        np.log(relative_std) / 5.0, LEAST_LOG_STD)[..., None, :]
+    out[..., -1] = measured.any(axis=-1, keepdims=True)
+    return out

@@ -10,6 +10,7 @@ import numpy as np
 
 # log10 of the stated standard deviation over the prior's, at which factors are held.
 LEVELS = (-2.5, -2.0, -1.5, -1.0, -0.5, 0.0)
+_SPACING, _PLACES = LEVELS[1] - LEVELS[0], np.arange(len(LEVELS))
 
 
 def level_of(std, prior_std):
@@ -19,4 +20,7 @@ def level_of(std, prior_std):
 
 def factors_at(factors, level):
     """Return (10,) factors for one level (10,) from those at LEVELS (10, len(LEVELS))."""
-    return np.array([np.interp(x, LEVELS, row) for x, row in zip(level, factors)])
+    place = np.minimum(np.maximum((level - LEVELS[0]) / _SPACING, 0.0), len(LEVELS) - 1)
+    # Linear between the two levels around it: both have a share that falls with the distance.
+    shares = np.maximum(1.0 - np.abs(place[:, None] - _PLACES), 0.0)
+    return (shares * factors).sum(axis=1)
