@@ -72,8 +72,9 @@ def _of_effect(model, residual, blocks, effect, j):
     if effect.name == 'presliding_hysteresis':
         yield from _presliding(model, residual, j, scale)
         return
-    shapes, trials = zip(*_shapes(effect, residual, blocks, j))
-    for shape, count, columns in zip(shapes, trials, _columns(effect, residual.x, j, shapes)):
+    found = _shapes(effect, residual, blocks, j)
+    columns_of = _columns(effect, residual.x, j, [shape for shape, _ in found])
+    for (shape, count), columns in zip(found, columns_of):
         yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
 
 
