@@ -163,8 +163,9 @@ def test_totals_and_goals_are_judged_on_the_figures():
     assert pair_rows(results())[0]['outcomes'] == ['found', 'missed']
     rows = {what: (value, good) for what, _, value, good in verdicts(total)}
     assert rows['right effect and joint, one effect, strength 2 and 5'] \
-        == ('33 % (1 of 3)', False)
-    assert rows['confirmed on clean plants'] == ('1 on 1', True)
+        == ('33.3 % (1 of 3)', False)
+    assert rows['confirmed on clean plants'] == ('1 on 1', False), 'too few of them'
+    assert [verdicts({**total, 'clean': [20, false]})[3][3] for false in (1, 2)] == [True, False]
     assert rows['both of a pair right'][1] is False
     assert [good for what, (_, good) in rows.items() if what.startswith('torque')] == [False]
     assert rows['seconds per diagnosis, median and longest'] == ('100, 100', True)
