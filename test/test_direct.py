@@ -66,6 +66,25 @@ def test_E1_3_24_inputs_of_six_axes_with_temperatures_ten_outputs(name):
     assert mean.shape[-1] == 10
 
 
+@pytest.mark.parametrize('name', RECURRENT)
+def test_E1_3_what_was_gathered_goes_through_a_layer_before_the_answer(tmp_path, robot, name):
+    design = design_for(robot, name)
+    assert design.head_layers == 1 and design_for(robot, 'feedforward').head_layers == 0
+    bent = network_of(robot, design).between
+    with torch.no_grad():
+        one, two = torch.rand(2, 3, design.hidden)
+        assert (bent(one + two) - bent(one) - bent(two)).abs().max() > 1e-3
+    # Cards from before the layer name none.
+    plain = network_of(robot, design_of(robot, name, head_layers=0))
+    artefact_of(tmp_path, robot, plain)
+    card = json.loads((tmp_path / 'card.json').read_text(encoding='utf-8'))
+    del card['recipe']['design']['head_layers']
+    (tmp_path / 'card.json').write_text(json.dumps(card), encoding='utf-8')
+    again = read_direct_artefact(tmp_path, robot, name).network
+    with torch.no_grad():
+        assert torch.equal(again(inputs(robot))[0], plain(inputs(robot))[0])
+
+
 @pytest.mark.parametrize('name, layers', [('lstm_direct', 1), ('lstm_direct', 3), ('gru', 2),
                                           ('elman', 2)])
 def test_E1_3_recurrent_with_one_or_more_layers(robot, name, layers):

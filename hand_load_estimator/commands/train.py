@@ -34,7 +34,7 @@ def add_arguments(parser):
                         help='parameters it answers, of m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz '
                              '(default all; not for lstm)')
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
-                        help='training sequences of 10 s (default 6400, to fine-tune 1216; 1024 '
+                        help='training sequences of 10 s (default 6400, to fine-tune 1216; 2048 '
                              'for the others)')
     parser.add_argument('--passes', type=int, default=None, metavar='N',
                         help='passes over them (default 9, to fine-tune 3, where 0 keeps the '

@@ -27,8 +27,9 @@ class Design:
 
     network: key of NETWORKS; joints: names of those it reads (E1.5); parameters: names, of
     MESSAGE_ORDER, of those it answers (E1.5); hidden units per layer; layers: recurrent ones, or
-    those behind the window; window: samples a feed-forward network reads at once; thinned: share
-    of units that dropout leaves out; copies: thinned networks that judge.
+    those behind the window; head_layers: 0 or 1 between those and the answer; window: samples a
+    feed-forward network reads at once; thinned: share of units that dropout leaves out; copies:
+    thinned networks that judge.
     """
 
     network: str
@@ -39,6 +40,7 @@ class Design:
     window: int = 25
     thinned: float = 0.1
     copies: int = 16
+    head_layers: int = 0
 
     @property
     def picked(self):
@@ -54,8 +56,10 @@ def design_for(robot, network, joints=None, parameters=None):
     """
     if network not in NETWORKS:
         raise ConfigurationError('--network', 'is not known', network, ', '.join(NETWORKS))
+    # What recurrent layers gather are sums: a load is a quotient of those, which no sum gives.
     return Design(network, _subset('--joints', joints, robot.joints),
-                  _subset('--parameters', parameters, MESSAGE_ORDER))
+                  _subset('--parameters', parameters, MESSAGE_ORDER),
+                  head_layers=0 if network == 'feedforward' else 1)
 
 
 def _subset(where, chosen, allowed):

@@ -113,6 +113,13 @@ class _Windows(nn.Module):
         return self.behind(windows.flatten(2)), x[:, x.shape[1] - self._window + 1:]
 
 
+def _between(design):
+    """Return the layers between the features and the head, and how many units they end in."""
+    if not design.head_layers:
+        return nn.Identity(), design.hidden
+    return nn.Sequential(nn.Linear(design.hidden, 2 * design.hidden), nn.SiLU()), 2 * design.hidden
+
+
 def _backbone(design, inputs):
     if design.network == 'feedforward':
         return _Windows(inputs, design.hidden, design.layers, design.window)
@@ -131,7 +138,8 @@ class DirectNetwork(nn.Module):
         self.register_buffer('centre', centre.float(), persistent=False)
         self.register_buffer('scale', torch.sqrt(variance).float(), persistent=False)
         self.backbone = _backbone(design, 7 * self._joints + 1)
-        self.head = nn.Linear(design.hidden, 2 * len(design.parameters))
+        self.between, width = _between(design)
+        self.head = nn.Linear(width, 2 * len(design.parameters))
         nn.init.zeros_(self.head.weight)
         nn.init.zeros_(self.head.bias)
 
@@ -142,7 +150,7 @@ class DirectNetwork(nn.Module):
         x (B, T, 5 k + 1); state: what the last call returned, to go on behind it.
         """
         out, state = self.backbone(_encoded(x, self._joints), state, at, masks)
-        out = self.head(out)
+        out = self.head(self.between(out))
         picked = self.design.picked
         mean = self.centre.expand(*out.shape[:2], 10).clone()
         std = self.scale.expand(*out.shape[:2], 10).clone()

@@ -30,6 +30,8 @@ from .training_loop import (begin_work, end_work, job_of, keep_memory, make_sequ
 # step whatever their length.
 PIECES = ((10, 0.4), (50, 0.65), (200, 0.85), (500, 1.0))
 SAMPLES = 4800
+# Loads drawn once for all steps: drawing them anew takes as long as the network's own step.
+LOADS = 8192
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class DirectRecipe:
     """As training.Recipe, for a Design; fewer sequences, as each serves many loads."""
 
     design: Design
-    sequences: int = 1024
+    sequences: int = 2048
     calibration: int = 256
     validation: int = 128
     passes: int = 60
@@ -77,6 +79,8 @@ class Loss:
         self._robot, self._seed = robot, recipe.seed
         self._design, self._steps = recipe.design, recipe.passes * shards
         self._joints = [robot.joints.index(name) for name in recipe.design.joints]
+        rng = np.random.default_rng([recipe.seed, 2])
+        self._loads = np.array([random_load(rng, robot).to_message() for _ in range(LOADS)])
         self._peak = torch.tensor(robot.limits.torque[self._joints], dtype=torch.float32)
 
     def __call__(self, network, shard, step):
@@ -84,7 +88,7 @@ class Loss:
         rng = np.random.default_rng([self._seed, 1, step])
         shard = self.pieces(rng, shard, step)
         pieces, steps = shard['error'].shape[:2]
-        load = np.array([random_load(rng, self._robot).to_message() for _ in range(pieces)])
+        load = self._loads[rng.integers(LOADS, size=pieces)]
         x = inputs_of_shard(self._robot, self._joints, shard, load)
         load = torch.tensor(load, device=x.device, dtype=x.dtype)
         at = judged_samples(steps)
