@@ -1,5 +1,7 @@
 """Networks straight to the load: rows E1.3, E1.4, E1.5, E1.6, E6.1 and E6.2 of the reference."""
 
+import json
+
 from core_helpers import block, exact_model, feed, four_axes, messages
 from direct_helpers import artefact_of, design_of, inputs, network_of, pipeline_with
 import numpy as np
@@ -9,6 +11,7 @@ import torch
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.learning.direct_artefact import read_direct_artefact
 from hand_load_estimator.learning.direct_calibration import (calibrate_direct, calibrated,
                                                              factors_of)
 from hand_load_estimator.learning.direct_design import design_for, NETWORKS
