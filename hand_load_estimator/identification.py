@@ -309,7 +309,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     temperatures = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     known = np.isfinite(temperatures).any()
     uses, links_declared = declare(robot, effects, known)
-    _require_motion(robot, evidence)
+    _require_motion(evidence)
     mean, covariance = prior(robot, uses, links_declared)
     intensity = (0.01 * robot.limits.torque) ** 2 * 0.02
     friction = 0.03 * robot.limits.torque
@@ -342,7 +342,7 @@ def rmse_of(robot, system, residual):
     return np.maximum(rmse, LEAST_NOISE * robot.limits.torque)
 
 
-def _require_motion(robot, evidence):
+def _require_motion(evidence):
     moving = sum(float(e.motion.dt[np.abs(e.motion.v).max(axis=1) > 0.02].sum())
                  for e in evidence)
     if moving < LEAST_MOTION:

@@ -178,10 +178,10 @@ def test_e6_3_the_index_follows_the_data(folder):
     for m in stream(LOAD, 3.0, seed=7):
         estimate = made.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)
         if estimate is not None:
-            assert 0.0 < made.method.largest_probability < 1.0
-            assert 0.0 < made.method.entropy <= 4 * np.log(7) + 1e-9
+            assert 0.0 < made.reliability['largest probability'] < 1.0
+            assert 0.0 < made.reliability['entropy [nat]'] <= 4 * np.log(7) + 1e-9
             stds.append(estimate.std[0])
-            lattices.append(made.method.most_probable[0] - estimate.mean[0])
+            lattices.append(made.method._places.best[0] - estimate.mean[0])
     assert stds[-1] < 0.05 * stds[0]
     assert abs(lattices[-1]) < 2.0 * stds[-1]
 
@@ -200,7 +200,7 @@ def gate(folder, monkeypatch):
     def ask(sigmas):
         off = sigmas * model().residuals.rmse
         believed = prediction.load_columns @ products_from_shape(np.concatenate(
-            [method.most_probable, load_prior(model().robot).mean[4:]]))
+            [method._places.best, load_prior(model().robot).mean[4:]]))
         told = prediction.model_columns @ method._plain.nuisances
         method._plain.innovation = off
         return method._opens(sample, replace(prediction, difference=believed + told + off),

@@ -60,16 +60,16 @@ class Options:
 
 
 def commit_now():
-    """Return the code's commit, with a word when it was changed since."""
+    """Return the code's commit, and a digest of what was changed since."""
+    def git(*arguments):
+        return subprocess.run(['git', *arguments], text=True, capture_output=True,
+                              cwd=Path(__file__).parent, check=False).stdout.strip()
     try:
-        out = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], text=True,
-                             capture_output=True, cwd=Path(__file__).parent, check=False)
+        commit, changes = git('rev-parse', '--short', 'HEAD'), git('diff', 'HEAD')
     except OSError:
         return 'unknown'
-    commit = out.stdout.strip() or 'unknown'
-    changed = subprocess.run(['git', 'status', '--porcelain', '--untracked-files=no'], text=True,
-                             capture_output=True, cwd=Path(__file__).parent, check=False)
-    return f'{commit} with changes' if changed.stdout.strip() else commit
+    digest = hashlib.sha256(changes.encode()).hexdigest()[:8]
+    return f'{commit or "unknown"} with changes {digest}' if changes else commit or 'unknown'
 
 
 def _key(suite, robot_path, options):

@@ -29,12 +29,7 @@ def determined_std(robot):
 
 def shipped_artefact(robot, network=NETWORK):
     """Return the folder of the network shipped for a robot's joints and effort kind, or None."""
-    for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{CARD}')):
-        try:
-            content = json.loads(card.read_text(encoding='utf-8'))
-        except ValueError as error:
-            raise ConfigurationError(card, f'is not JSON ({error})',
-                                     todo='install the package again') from None
+    for card, content in _shipped_cards(CARD):
         if content.get('joints') == list(robot.joints) \
                 and content.get('effort_kind') == robot.effort.kind \
                 and network_of(content) == network:
@@ -45,11 +40,18 @@ def shipped_artefact(robot, network=NETWORK):
 def shipped_difference(model):
     """Return the folder of the torque difference shipped for a TorqueModel, or None."""
     digest = model_digest(model)
-    learned = share_folder() / 'config' / 'learned'
-    for card in sorted(learned.glob(f'*/{difference_artefact.CARD}')):
-        if json.loads(card.read_text(encoding='utf-8')).get('model') == digest:
-            return card.parent
-    return None
+    return next((card.parent for card, content in _shipped_cards(difference_artefact.CARD)
+                 if content.get('model') == digest), None)
+
+
+def _shipped_cards(name):
+    """Yield (path, content) of the shipped artefacts' cards of a file name."""
+    for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{name}')):
+        try:
+            yield card, json.loads(card.read_text(encoding='utf-8'))
+        except ValueError as error:
+            raise ConfigurationError(card, f'is not JSON ({error})',
+                                     todo='install the package again') from None
 
 
 def build_method(model, uncertainties, name, learned=None):

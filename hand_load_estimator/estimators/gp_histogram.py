@@ -80,14 +80,10 @@ class GpHistogram(BesideBayes):
         return self._places.entropy
 
     @property
-    def largest_probability(self):
-        """The most probable candidate's probability (E6.3)."""
-        return float(self._places.probabilities.max())
-
-    @property
-    def most_probable(self):
-        """The most probable candidate (4,): mass [kg], centre of mass [m] (E2.3)."""
-        return self._places.best
+    def reliability(self):
+        """What the histogram says of its answer (E6.3), by name."""
+        return {'entropy [nat]': self.entropy,
+                'largest probability': float(self._places.probabilities.max())}
 
     def _take(self, sample, prediction, columns):
         weights = sample.dt / prediction.density

@@ -68,6 +68,11 @@ class Pipeline:
         return self.tool.mass if self.tool else 0.0
 
     @property
+    def reliability(self):
+        """What the method says of its answer beside mean and covariance: {name: value}."""
+        return getattr(self.method, 'reliability', {})
+
+    @property
     def temperature(self):
         """Last known joint temperatures (n,) [degC]."""
         return self._stream.temperature

@@ -167,7 +167,8 @@ class EstimatorNode(Node):
         return estimate_status(name, estimate, age, self._pipeline.method.name,
                                self._pipeline.tared_mass,
                                {'tool mass [kg]': self._pipeline.tool_mass,
-                                'checkpoint': self._checkpoint.told})
+                                'checkpoint': self._checkpoint.told,
+                                **self._pipeline.reliability})
 
     def _report_input(self):
         rejected = self._pipeline.rejected
