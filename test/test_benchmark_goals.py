@@ -5,8 +5,8 @@ import pytest
 from test_benchmark import result
 
 from hand_load_estimator.benchmark import goals
-from hand_load_estimator.benchmark.document import (Heading, Picture, Table, Text, to_html,
-                                                    to_markdown, write_pages)
+from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture, Table, Text,
+                                                    to_html, to_markdown, write_pages)
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
                                                   offline_scores, overview, score)
@@ -135,3 +135,23 @@ def test_a_page_is_told_twice(tmp_path):
     assert 'http' not in html.split('<body>')[1]
     write_pages(tmp_path, blocks)
     assert {p.name for p in tmp_path.iterdir()} == {'README.md', 'index.html', 'p.png'}
+
+
+def test_links_are_links_in_html_and_nothing_else_is():
+    html = to_html([Text('[base](base/README.md), [b](https://b.org/?a=1&c="2")'),
+                    Table(('run',), (('[cold](cold/README.md)',),)),
+                    Text('[x](javascript:alert) [y](data:text/html,1) `[z](z.html)` **as `c`**'),
+                    Text('- one\n- **two**')]).split('<body>')[1]
+    assert '<p><a href="base/index.html">base</a>, ' in html
+    assert '<a href="https://b.org/?a=1&amp;c=&quot;2&quot;">b</a>' in html
+    assert '<td><a href="cold/index.html">cold</a></td>' in html
+    assert 'href="javascript' not in html and 'href="data' not in html
+    assert '<code>&#91;z](z.html)</code>' in html
+    assert '<strong>as <code>c</code></strong>' in html
+    assert '<ul><li>one</li><li><strong>two</strong></li></ul>' in html
+
+
+def test_a_page_of_markdown_becomes_the_blocks_it_was_made_of():
+    blocks = [Heading('Title', 1), Text('a **b**'), Heading('Part'),
+              Table(('a', 'b'), (('1', '-'), ('`x`', ''))), Text('- one\n- two')]
+    assert blocks_of(to_markdown(blocks)) == blocks
