@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator import seeds
-from hand_load_estimator.benchmark import arms, execute, run
+from hand_load_estimator.benchmark import arms, execute, run, suites
 from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
@@ -94,7 +94,6 @@ def test_wrists_that_cannot_swing_are_refused():
 
 
 def test_undeclared_effects_take_turns_at_strength_two():
-    """One round over all effects; those that a small arm cannot have leave the case clean."""
     robot = four_axes()
     names = list(EFFECTS)
     seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
@@ -103,6 +102,27 @@ def test_undeclared_effects_take_turns_at_strength_two():
     assert entry['name'] == 'torque_offset' and entry['strength'] == 2.0
     assert len(entry['joints']) == 1
     assert {names[s % len(names)] for s in CASES} == set(EFFECTS)
+
+
+def test_where_no_joint_can_have_an_effect_the_next_one_is_hidden(monkeypatch):
+    robot, names = four_axes(), list(EFFECTS)
+    seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
+    place = suites.place
+
+    def without(refused):
+        def placed(robot, case):
+            if case.hidden[0].name in refused:
+                raise ConfigurationError('plant', 'cannot')
+            return place(robot, case)
+        return placed
+
+    last = names.index('torque_offset')
+    monkeypatch.setattr(suites, 'place', without(names[last:]))
+    (entry,) = SUITES['undeclared'].draw(robot, PLANT, seed).hidden
+    assert entry['name'] in names[:last]
+    monkeypatch.setattr(suites, 'place', without(names))
+    with pytest.raises(ConfigurationError, match='no effect so strong'):
+        SUITES['undeclared'].draw(robot, PLANT, seed)
 
 
 # Running jobs.
