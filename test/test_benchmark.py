@@ -263,22 +263,25 @@ def test_an_unknown_suite_is_refused(tmp_path):
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Plants measured before are read, not measured again."""
     plants = seeds.BENCHMARK_PLANTS[:2]
-    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'abc'})
+    monkeypatch.setattr(run, 'commit_now', lambda: 'abc')
     monkeypatch.setattr(run, 'measure_plant', broken)
-    (tmp_path / 'raw').mkdir()
+    folder = tmp_path / 'base-8-bayes'
+    (folder / 'raw').mkdir(parents=True)
     for k, plant in enumerate(plants):
-        (tmp_path / 'raw' / f'plant_{plant}.json').write_text(
+        (folder / 'raw' / f'plant_{plant}.json').write_text(
             json.dumps([result(plant, k, off=0.1)]))
-    options = run.Options(cases=8, workers=0)
+    options = run.Options(cases=8, methods=('bayes',), workers=0)
     page = run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
     assert 'the command' in page and '2 of 2 cases from 2 plants' in page
-    assert (tmp_path / 'README.md').read_text() == page
-    assert '<img src="data:image/svg+xml' in (tmp_path / 'index.html').read_text()
-    content = json.loads((tmp_path / 'scores.json').read_text())
+    assert (folder / 'README.md').read_text() == page
+    assert '<img src="data:image/svg+xml' in (folder / 'index.html').read_text()
+    content = json.loads((folder / 'scores.json').read_text())
     assert content['schema'] == 'hand_load/benchmark/1'
     assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
-    assert (tmp_path / 'mass.png').stat().st_size > 5000
-    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'def'})
+    assert (folder / 'mass.png').stat().st_size > 5000
+    assert '| [base-8-bayes](base-8-bayes/README.md) | abc | `the command` |' \
+        in (tmp_path / 'README.md').read_text()
+    monkeypatch.setattr(run, 'commit_now', lambda: 'def')
     with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):
         run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
 

@@ -63,7 +63,9 @@ def test_delays_count_from_motion_and_only_after_the_change():
                                         'delay_median': pytest.approx(math.nan, nan_ok=True)}
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
     page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
-    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page
+    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page and 'Not measured here' not in page
+    page = to_markdown(change_blocks({'methods': {'bayes': figures}, 'left_out': ['gp_bayes']}))
+    assert 'Not measured here: `gp_bayes`;' in page
 
 
 def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():

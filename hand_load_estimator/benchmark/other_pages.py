@@ -11,6 +11,12 @@ def _seconds(value):
     return f'{value:.2f}' if np.isfinite(value) else '-'
 
 
+def _left_out(content):
+    """Return what to say of methods that took no part."""
+    names = ', '.join(f'`{name}`' for name in content.get('left_out', ()))
+    return f' Not measured here: {names}; each model would need its own training.' if names else ''
+
+
 def change_blocks(content):
     """Return the blocks of the changes suite."""
     methods = content['methods']
@@ -24,7 +30,8 @@ def change_blocks(content):
         Text('A load is picked up, exchanged, dropped or slips (mass x shift 0.1 to 0.3 kg m) '
              'once in a run of 14 s. The delay counts from the first motion of a joint that '
              'carries the load after the change. False alarms: changes seen while one load '
-             'stayed through runs of half an hour, each cold (15 degC) at its start.'),
+             'stayed through runs of half an hour, each cold (15 degC) at its start.'
+             + _left_out(content)),
         Table(['method', 'changes', 'missed', 'seen before', 'delay, median [s]',
                '95th percentile [s]', 'false alarms', 'in hours',
                'MODEL_MISMATCH while running [%]'], rows),
@@ -58,7 +65,7 @@ def real_blocks(content):
         Text('Every set has its own model, identified from its training runs with the load those '
              'state (none for most); the error is the estimate at the end of a test run less that '
              'mass. It should be zero. Set kr300 holds about 150 kg, known only from gravity; the '
-             'load of run load_2600 is known by the file name only.'),
+             'load of run load_2600 is known by the file name only.' + _left_out(content)),
         Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
                'inside the 95 % interval [%]'], figures),
         Table([f'mass error {MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]

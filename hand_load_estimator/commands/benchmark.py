@@ -5,6 +5,7 @@ from ..errors import ConfigurationError
 EXAMPLE = """
 hand_load benchmark --out out/benchmark
 hand_load benchmark --out out/all --suite all --rivals mujoco.sysid,figaroh
+hand_load benchmark --out out/all --suite base --cases 2000 --methods lstm
 hand_load benchmark --out out/look --suite cold,warm --development --cases 4 --methods bayes
 """
 
@@ -16,7 +17,9 @@ def _names(text):
 def add_arguments(parser):
     """Declare the arguments."""
     parser.add_argument('--out', required=True, metavar='DIR',
-                        help='folder of the results; what is there already is kept')
+                        help='folder of the results, one below it for every suite and choice, '
+                             'and the table of goals over all that are there; what is there '
+                             'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
                              'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
