@@ -10,6 +10,7 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
+from hand_load_estimator.benchmark.contestants import REGRESSOR
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
@@ -310,7 +311,7 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert error['bayes'] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
-    assert set(found['cost']) == {*found['methods'], 'one pinocchio load regressor call'}
+    assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
     # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
     assert 'lstm' not in found['methods']

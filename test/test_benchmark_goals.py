@@ -146,6 +146,15 @@ def test_changes_and_soak_are_judged():
         'load change: 95th percentile of the delay after motion'] == ('8 of 8 missed', False)
 
 
+def test_cost_is_judged_beside_what_joint_states_cost():
+    cost = {'cost': {goals.REGRESSOR: {'mean': 1e-5}, 'lstm': {'mean': 2e-4, 'p99': 9e-4}},
+            'joint_state': {'mean': 5e-5}}
+    assert judged({'cost': cost})[f'per sample over {goals.REGRESSOR}'] \
+        == ('mean 20, p99 90; each joint state before it 5.0', True)
+    cost['cost']['lstm']['mean'] = 4e-4
+    assert judged({'cost': cost})[f'per sample over {goals.REGRESSOR}'][1] is False
+
+
 def test_a_page_is_told_twice(tmp_path):
     blocks = [Heading('Title <1>', 1), Text('see `code` & **this**'),
               Table(('a', 'b'), (('1', '**no**'),)),

@@ -150,7 +150,9 @@ def _cost_rows(content):
         return [GoalRow(what, wanted)]
     unit = cost[REGRESSOR]['mean']
     mean, tail = (cost[DEFAULT][key] / unit for key in ('mean', 'p99'))
-    return [GoalRow(what, wanted, f'mean {mean:.0f}, p99 {tail:.0f}', bool(mean <= 30.0))]
+    before = content['joint_state']['mean'] / unit
+    told = f'mean {mean:.0f}, p99 {tail:.0f}; each joint state before it {before:.1f}'
+    return [GoalRow(what, wanted, told, bool(mean <= 30.0))]
 
 
 def _mismatch_rows(base):
