@@ -161,6 +161,15 @@ def test_every_joint_state_is_timed_and_samples_are_as_before():
     np.testing.assert_array_equal([s.effort for s in plain], [s.effort for s in samples])
 
 
+def test_a_method_on_a_learned_difference_has_its_cost(monkeypatch):
+    """On the difference shipped for the model; 50 samples are warm-up."""
+    monkeypatch.setattr(cases, 'DURATION', 2.0)
+    found = cost.measure_cost('ur10e', 'gp_bayes', None)
+    assert found['name'] == 'gp_bayes'
+    assert found['cost']['mean'] > found['regressor']['mean'] > 0.0
+    assert found['joint_state']['mean'] > 0.0
+
+
 def test_every_method_has_a_cost_job():
     assert set(cost.cost_jobs('ur10e', None, None)) \
         == {f'cost_{name}' for name in chosen_methods()}

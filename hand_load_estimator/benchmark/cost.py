@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from .. import seeds
+from ..estimators.build import shipped_difference
 from ..joint_stream import JointStream
 from ..model_file import read_model
 from ..shared_files import find_shared
@@ -46,7 +47,7 @@ def measure_cost(robot_name, method, learned):
     case = draw_case(robot, seeds.SHIPPED_MODEL_PLANT, seeds.DEVELOPMENT_CASES[0])
     samples = list(stream_samples(robot, case_events(robot, case), stream))
     clock, before = RegressorClock(robot), resident_mib()
-    racing = our_contestants(model, (method,), learned)
+    racing = our_contestants(model, (method,), learned, shipped_difference(model))
     built, (contestant,) = resident_mib(), racing.values()
     for k, sample in enumerate(samples):
         clock.update(sample)
