@@ -280,7 +280,7 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     assert content['schema'] == 'hand_load/benchmark/1'
     assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
     assert (folder / 'mass.png').stat().st_size > 5000
-    assert '| [base-8-bayes](base-8-bayes/README.md) | abc | `the command` |' \
+    assert '| [base-8-bayes](base-8-bayes/README.md) | 2 of 2, 2 plants | abc | `the command` |' \
         in (tmp_path / 'README.md').read_text()
     monkeypatch.setattr(run, 'commit_now', lambda: 'def')
     with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):

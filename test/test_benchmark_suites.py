@@ -250,8 +250,8 @@ def test_runs_of_other_calls_and_commits_are_joined(tmp_path):
     joined.write_scores(tmp_path / 'effects', {'suite': 'effects'})
     page = joined.write_index(tmp_path, run.SCHEMA)
     assert '| yes | [soak-24h](soak-24h/README.md) |' in page
-    assert '| [real](real/README.md) | def | `command real` |' in page
-    assert '2 commits' in page and '[effects]' not in page
+    assert '| [real](real/README.md) | - | def | `command real` |' in page
+    assert '2 commits' in page and '[effects]' not in page and 'looking and choosing' not in page
     assert json.loads((tmp_path / 'real' / 'scores.json').read_text())['figure'] is None
     (goal,) = [row for row in json.loads((tmp_path / 'scores.json').read_text())['goals']
                if row['reached']]
@@ -265,6 +265,15 @@ def test_runs_that_are_no_part_of_one_table_are_refused(tmp_path):
     for other in (run.Options(development=True), run.Options(robot='ur10e_current')):
         with pytest.raises(ConfigurationError, match='another robot, artefact or seeds'):
             run.run_suites('cold', other, tmp_path, '', lambda text: None)
+
+
+def test_a_table_on_development_seeds_says_so(tmp_path):
+    (tmp_path / 'base').mkdir()
+    joined.write_scores(tmp_path / 'base', {
+        'suite': 'base', 'run': run_of(run.Options(development=True)), 'scores': {}, 'overview': {
+            'cases': 4, 'scored': 3, 'plants': 1}})
+    page = joined.write_index(tmp_path, run.SCHEMA)
+    assert 'seeds for looking and choosing' in page and '| 3 of 4, 1 plants |' in page
 
 
 def test_folders_are_named_by_suite_and_choice():

@@ -35,8 +35,8 @@ class _Accuracy:
 
     @property
     def counted(self):
-        """Cases and plants that were scored."""
-        return self.overview['scored'], self.overview['plants']
+        """Cases and plants there are."""
+        return self.overview['cases'], self.overview['plants']
 
     def mass(self, time, figure='rmse', name=DEFAULT):
         entries = {entry['time']: entry for entry in self.scores[name]}

@@ -68,13 +68,22 @@ def write_index(folder, schema, failed=None):
     return write_pages(folder, [
         Heading('Benchmark', 1),
         Text('Every goal is judged on the run with most cases that measured it, named in its '
-             'row.' + _commits(told)), goal_table(rows), Heading('Runs'),
-        Table(('run', 'commit', 'command'), tuple(
-            (f'[{run["folder"]}]({run["folder"]}/README.md)', run['commit'],
-             f'`{run["command"]}`') for run in told)),
+             'row.' + _caveats(told)), goal_table(rows), Heading('Runs'),
+        Table(('run', 'cases', 'commit', 'command'), tuple(
+            (f'[{run["folder"]}]({run["folder"]}/README.md)', _cases(runs[run['folder']]),
+             run['commit'], f'`{run["command"]}`') for run in told)),
         *(Text(f'**Not measured: {name}.** {why}') for name, why in failed.items())])
 
 
-def _commits(runs):
+def _cases(content):
+    if 'overview' not in content:
+        return '-'
+    counts = content['overview']
+    return f'{counts["scored"]} of {counts["cases"]}, {counts["plants"]} plants'
+
+
+def _caveats(runs):
     commits = {run['commit'] for run in runs}
-    return f' **Runs are of {len(commits)} commits.**' if len(commits) > 1 else ''
+    return (f' **Runs are of {len(commits)} commits.**' if len(commits) > 1 else '') + (
+        ' **On seeds for looking and choosing, not the benchmark\'s.**'
+        if any(run['development'] for run in runs) else '')
