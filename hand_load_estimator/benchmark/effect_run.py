@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..robot import load_robot
 from ..shared_files import find_shared
+from .document import blocks_of, write_pages
 from .effect_cases import suite_cases
 from .effect_measure import case_result
 from .effect_page import effects_markdown
@@ -38,7 +39,7 @@ def _failed(case, why):
 
 def run_effects(robot_name, folder, command, write=print, workers=None, development=False):
     """
-    Measure the suite into `folder`: raw results per case, scores.json, README.md.
+    Measure the suite into `folder`: raw results per case, scores.json, README.md, index.html.
 
     development: the cases of the seeds for looking and choosing. Returns the page.
     """
@@ -55,6 +56,4 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
         {'schema': SCHEMA, 'suite': SUITE, 'totals': totals(results),
          'effects': effect_rows(results), 'pairs': pair_rows(results)}, indent=1) + '\n',
         encoding='utf-8')
-    page = effects_markdown(results, command, key['commit'])
-    (out / 'README.md').write_text(page, encoding='utf-8')
-    return page
+    return write_pages(out, blocks_of(effects_markdown(results, command, key['commit'])))
