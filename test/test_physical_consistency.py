@@ -55,7 +55,7 @@ def test_e7_3_what_comes_out_is_possible_and_nearer_to_the_truth():
         assert positive_definite(out.mean) and out.covariance is belief.covariance
         np.testing.assert_array_equal(out.mean[1:4], belief.mean[1:4])
         assert out.mean[0] == max(belief.mean[0], LIGHTEST)
-        if belief.mean[0] < load[0]:
+        if LIGHTEST < belief.mean[0] < load[0]:
             assert distance(out, load) <= distance(belief, load) + 1e-6
     assert changed > 500
 

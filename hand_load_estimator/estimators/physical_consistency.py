@@ -2,12 +2,12 @@
 The physically possible load that is nearest to a belief.
 
 Noise may put the mean where no body is: a mass below zero, or a negative second moment about the
-centre of mass, where the pseudo-inertia is not positive definite. A negative mass becomes
-LIGHTEST. Possible inertias of a mass are a convex set, cut out by half spaces: along every axis,
-second moment >= LEAST mass. A violated one is met by the smallest change of the inertia in the
-metric of its covariance, which brings it nearer to *every* possible inertia, the true one too.
-What is determined hardly moves; mass and centre of mass, which say nothing of a body's shape, do
-not move at all.
+centre of mass, where the pseudo-inertia is not positive definite. A mass below zero becomes
+LIGHTEST, and what is negative of its inertia as small. Possible inertias of a mass above zero are
+a convex set, cut out by half spaces: along every axis, second moment >= LEAST mass. A violated
+one is met by the smallest change of the inertia in the metric of its covariance, which brings it
+nearer to *every* possible inertia, the true one too. What is determined hardly moves; mass and
+centre of mass, which say nothing of a body's shape, do not move at all.
 
 Only what is published is changed. The recursion goes on from the mean of the data, which a
 constraint would bias, and the covariance stays: it is the doubt before the constraint, never
@@ -51,8 +51,9 @@ def physically_consistent(belief):
         return belief
     if mean[0] < -CONTRADICTION * np.sqrt(covariance[0, 0]):
         return belief
-    mass = max(mean[0], LIGHTEST)
-    inertia = _nearest(mass, mean[4:], covariance[4:, 4:])
+    mass, inertia = max(mean[0], LIGHTEST), mean[4:]
+    inertia = (_nearest(mass, inertia, covariance[4:, 4:]) if mass > LIGHTEST
+               else _raised(mass, inertia))
     if inertia is None:
         return belief
     return Belief(np.concatenate([[mass], mean[1:4], inertia]), covariance)
@@ -72,9 +73,13 @@ def _nearest(mass, inertia, covariance):
         if variance <= 0.0:
             break
         inertia = inertia + gain * ((1.0 + FURTHER) * lack / variance)
+    return _raised(mass, inertia)
+
+
+def _raised(mass, inertia):
+    """Return inertia (6,), moments below the least raised to it, whatever the covariance says."""
     moments, axes = np.linalg.eigh(second_moments(inertia))
-    return inertia_of_second_moments(
-        axes * np.maximum(moments, AIM * LEAST * mass) @ axes.T)
+    return inertia_of_second_moments(axes * np.maximum(moments, AIM * LEAST * mass) @ axes.T)
 
 
 def _is_body(mass, inertia):
