@@ -43,7 +43,7 @@ def positive_definite(mean):
     return np.linalg.eigvalsh(pseudo_inertia(products_from_message(mean)))[0] > 0.0
 
 
-def test_e7_3_what_comes_out_is_possible_and_nearer_to_the_truth():
+def test_what_comes_out_is_possible_and_nearer_to_the_truth():
     """A step to a half space brings the mean nearer to each point of the half space."""
     changed = 0
     for load, belief in noisy_beliefs(1, 1000):
