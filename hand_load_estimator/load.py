@@ -44,6 +44,30 @@ def _six(tensor):
     return np.array([tensor[i, j] for i, j in _MESSAGE_TENSOR])
 
 
+def _second_moments(inertia):
+    return 0.5 * np.trace(inertia) * np.eye(3) - inertia
+
+
+def second_moments(six):
+    """Return int r r^T dm (3, 3) [kg m^2] of an inertia (6,) in message order."""
+    return _second_moments(_tensor(six))
+
+
+def inertia_of_second_moments(moments):
+    """Return the inertia (6,) in message order of second moments (3, 3)."""
+    return _six(np.trace(moments) * np.eye(3) - moments)
+
+
+# Of a symmetric tensor each entry beside the diagonal stands for two.
+_ROWS, _COLUMNS = np.transpose(_MESSAGE_TENSOR)
+_TIMES, _HALF_TRACE = np.where(_ROWS == _COLUMNS, [[1.0], [0.5]], [[2.0], [0.0]])
+
+
+def second_moment_row(axis):
+    """Return a (6,) with a . inertia in message order = second moment along a unit axis (3,)."""
+    return _HALF_TRACE - _TIMES * axis[_ROWS] * axis[_COLUMNS]
+
+
 @dataclass(frozen=True)
 class LoadParameters:
     """
@@ -87,8 +111,7 @@ class LoadParameters:
             return False
         if self.mass == 0.0:
             return not np.any(self.inertia)
-        second_moment = 0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia
-        return bool(np.linalg.eigvalsh(second_moment)[0] >= -1e-9)
+        return bool(np.linalg.eigvalsh(_second_moments(self.inertia))[0] >= -1e-9)
 
 
 def products_from_message(vector):
@@ -215,7 +238,7 @@ def pseudo_inertia(products):
     for k, (i, j) in enumerate(_PRODUCT_TENSOR):
         about_origin[i, j] = about_origin[j, i] = p[4 + k]
     out = np.empty((4, 4))
-    out[:3, :3] = 0.5 * np.trace(about_origin) * np.eye(3) - about_origin
+    out[:3, :3] = _second_moments(about_origin)
     out[:3, 3] = out[3, :3] = p[1:4]
     out[3, 3] = p[0]
     return out

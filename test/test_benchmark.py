@@ -10,7 +10,7 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
-from hand_load_estimator.benchmark.contestants import REGRESSOR
+from hand_load_estimator.benchmark.contestants import Contestant, REGRESSOR
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
@@ -20,6 +20,7 @@ from hand_load_estimator.benchmark.rivals import FixedLoad, LeastSquares
 from hand_load_estimator.benchmark.scores import complete, overview, score, verdicts
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.identification import nominal_model
 from hand_load_estimator.load import (LoadParameters, message_from_products, MESSAGE_ORDER,
                                       products_from_shape, products_jacobian_of_shape)
@@ -207,6 +208,22 @@ def test_the_fixed_load_never_learns():
 
 
 # Cases and runs.
+
+class Lighter:
+    """A method that believes in a little less than nothing."""
+
+    def update(self, sample, prediction):
+        return Belief(np.concatenate([[-0.01], np.zeros(9)]), 1e-4 * np.eye(10))
+
+
+class OurLighter(Lighter):
+    tared = np.zeros(10)
+
+
+def test_ours_are_judged_as_they_are_published_and_rivals_as_they_are():
+    ours, rival = (Contestant(None, lambda _, m=m: m()) for m in (OurLighter, Lighter))
+    assert ours.update(None).mean[0] >= 0.0 > rival.update(None).mean[0]
+
 
 def test_a_case_belongs_to_its_seed_and_is_a_body():
     robot = four_axes()

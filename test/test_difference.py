@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 import json
 
-from core_helpers import exact_model
+from core_helpers import EFFECTS, exact_model, messages, recording_of
 from difference_helpers import data, evidence, lacking, model, NOTHING, speeds, stream
 import numpy as np
 import pytest
@@ -12,10 +12,12 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.difference_function import DifferenceFunction
 from hand_load_estimator.estimators.inducing_points import InducingPoints
 from hand_load_estimator.estimators.network_draws import NetworkDraws
-from hand_load_estimator.joint_stream import JointStream
+from hand_load_estimator.identification import prepare
+from hand_load_estimator.joint_stream import JointStream, motion_of
 from hand_load_estimator.learning import (bayesian_network, distilled_network, neural_process,
                                           torque_gp)
 from hand_load_estimator.learning.difference_artefact import CARD, read_difference, WEIGHTS
+from hand_load_estimator.learning.difference_data import difference_data
 from hand_load_estimator.learning.difference_inputs import (INPUTS, difference_inputs,
                                                             parse_inputs)
 from hand_load_estimator.learning.learn_difference import learn_difference
@@ -106,6 +108,22 @@ def test_e2_5_a_known_load_teaches_the_same():
     told = data(mass=1.5)
     assert np.abs(told.difference - data().difference).max() < 0.5
     assert told.inputs.shape == data().inputs.shape
+
+
+@pytest.mark.parametrize('left_out', [('coulomb_friction', 'viscous_friction',
+                                       'presliding_hysteresis'),
+                                      ('temperature_dependent_viscous_friction',)])
+def test_e5_1_e5_2_what_is_identified_of_friction_is_not_left_to_learn(left_out):
+    """Recordings at 45 degC, through a model with friction (and its temperature) and without."""
+    whole = exact_model('four')
+    poorer = exact_model('four', tuple(name for name in EFFECTS if name not in left_out))
+    recording = recording_of(messages(whole, NOTHING, 8.0, temperature=45.0),
+                             whole.robot.joints, 45.0)
+    run = prepare(whole.robot, 'hot', motion_of(whole.robot, recording)[0], NOTHING)
+    told, untold = (np.sqrt(np.mean(difference_data(m, [run], ('velocity',)).difference ** 2,
+                                    axis=0)) for m in (whole, poorer))
+    # In units of the noise: next to nothing but noise is left, or much more.
+    assert (told < 1.5).all() and (untold > 1.5 * told).all(), (told, untold)
 
 
 def test_e3_1_inputs_are_chosen_by_name():

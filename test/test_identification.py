@@ -7,7 +7,8 @@ import pytest
 from hand_load_estimator.cli import main
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError, RecordingError
-from hand_load_estimator.identification import declare, Evidence, identify, nominal_model, prior
+from hand_load_estimator.identification import (declare, Evidence, identify, nominal_model,
+                                                prior, System)
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.load_file import write_load_file
@@ -85,6 +86,25 @@ def test_parameters_are_found_within_their_stated_deviations(made, found):
                                                        error[free] / scale)
     assert 0.2 < distance / len(free) < 1.3
     assert (np.abs(error[free]) < 4.5 * scale).all()
+
+
+def test_e7_1_the_best_parameters_are_those_of_equation_11(made):
+    """M_nom + (K^T K + W)^-1 K^T (Y - K M_nom): K holds columns of links and of friction."""
+    mean, covariance = prior(made.robot, made.uses, True)
+    system = System(made.robot, made.uses, made.evidence, mean)
+    weights = system.weights(made.density, np.zeros(made.robot.n))
+    got, posterior = system.solve(mean, covariance, weights)
+    root = np.sqrt(weights)[:, :, None]
+    free = np.flatnonzero(np.diag(covariance) > 0.0)
+    scale = np.sqrt(np.diag(covariance)[free])
+    k = (root * system.columns[:, :, free]).reshape(-1, len(free)) * scale
+    y = (root[:, :, 0] * (system.torque - system.columns @ mean)).ravel()
+    wanted = np.linalg.solve(k.T @ k + np.eye(len(free)), k.T @ y)
+    np.testing.assert_allclose((got - mean)[free] / scale, wanted, atol=1e-6)
+    np.testing.assert_allclose(np.delete(got, free), np.delete(mean, free))
+    nothing = system.solve(mean, covariance, 0.0 * weights)
+    np.testing.assert_allclose(nothing[0], mean)
+    assert (np.diag(posterior) <= np.diag(nothing[1]) + 1e-12).all()
 
 
 def test_stated_deviations_are_small_where_it_matters(made, found):

@@ -50,7 +50,7 @@ def posterior(information, prior=None, start=None, steps=4, **options):
     return out
 
 
-def test_products_are_the_batch_solution_of_weighted_least_squares():
+def test_e7_2_products_are_the_batch_solution_of_weighted_least_squares():
     rng, load = np.random.default_rng(1), block(6.0)
     columns = rows(rng, 200)
     weights = rng.uniform(0.2, 5.0, columns.shape[:2])
@@ -65,7 +65,7 @@ def test_products_are_the_batch_solution_of_weighted_least_squares():
                                covariance / np.outer(std, std), atol=1e-4)
 
 
-def test_the_prior_counts_as_data_of_its_own():
+def test_e7_3_the_prior_counts_as_data_of_its_own():
     """Where the problem is linear (mass known) prior and data join as two normals do."""
     rng = np.random.default_rng(2)
     shape = np.array([5.0, 0.02, -0.03, 0.1, 0.006, 1e-3, -8e-4, 0.008, 5e-4, 0.005])

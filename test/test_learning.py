@@ -120,7 +120,7 @@ def test_the_place_of_nothing_is_not_judged():
     assert (out[0, 0, 1:4] == 0.0).all() and (out[0, 0, [0, 4]] > 0.0).all()
 
 
-def test_features_count_and_missing_temperatures():
+def test_e3_1_features_count_and_missing_temperatures():
     robot, n = four_axes(), 4
     one, ten = np.ones(n), np.full(10, 0.5)
     arguments = [robot.limits, (one, one), (one, one, one), one, (one, one, one), one,

@@ -38,7 +38,7 @@ def with_load(robot, load):
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-def test_regressor_times_load_is_what_rnea_adds(name):
+def test_e4_1_regressor_times_load_is_what_rnea_adds(name):
     robot, rng = ROBOTS[name](), np.random.default_rng(1)
     for _ in range(10):
         load = random_load(rng)
@@ -52,7 +52,7 @@ def test_regressor_times_load_is_what_rnea_adds(name):
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-def test_link_regressor_times_nominal_is_rnea(name):
+def test_e1_1_link_regressor_times_nominal_is_rnea(name):
     robot, rng = ROBOTS[name](), np.random.default_rng(2)
     for _ in range(5):
         q, v, a = rng.uniform(-2.0, 2.0, (3, robot.n))

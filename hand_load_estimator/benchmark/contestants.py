@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from ..errors import ConfigurationError
 from ..estimators.build import build_method
+from ..estimators.physical_consistency import published
 from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
 from ..model_follower import ModelFollower
 from .rivals import FixedLoad, LeastSquares
@@ -55,6 +56,9 @@ class Contestant:
         belief = self.method.update(sample, prediction)
         if self._follower:
             self._follower.carry(belief, self.method)
+        # Ours are judged as they are published; rivals, which know no tare, as they are.
+        if hasattr(self.method, 'tared'):
+            belief = published(belief, self.method)
         self.times.append(time.thread_time() - began)
         self.mismatches += bool(getattr(self.method, 'mismatch', ''))
         return belief

@@ -7,6 +7,7 @@ from ..load import LoadEstimate
 from ..residual.watch import ResidualWatch
 from ..suggest_motion import MotionSuggester, SuggestionError
 from .method import checked
+from .physical_consistency import published
 
 # Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
 MOTION_START = 0.05
@@ -206,5 +207,6 @@ class Pipeline:
 
     def _say(self, stamp, belief, status, reason):
         determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
+        belief = published(belief, self.method)
         return LoadEstimate(stamp, belief.mean, belief.covariance, determined, status, reason,
                             self.load_id)
