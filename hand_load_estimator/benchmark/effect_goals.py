@@ -39,7 +39,7 @@ def _share(what, counts, goal):
 
 
 def beyond(total, figure, goal):
-    """Return the ratios of cases whose `figure` after the diagnosis is above a goal, worst first."""
+    """Return the cases whose `figure` stays above a goal, worst first."""
     return sorted((case for case in total['ratios'] if not case[figure]['after'] <= goal),
                   key=lambda case: -case[figure]['after'])
 
@@ -56,8 +56,8 @@ def _every(what, total, figure, goal):
 
 
 def _torque(total):
-    return _every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect (single, '
-                  'strength 2 and 5)', total, 'torque', TORQUE_GOAL)
+    return _every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect '
+                  '(single, strength 2 and 5)', total, 'torque', TORQUE_GOAL)
 
 
 def _mass(total):
