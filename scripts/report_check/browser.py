@@ -1,4 +1,4 @@
-"""Chromium without a window, driven over its DevTools pipe with nothing but the standard library."""
+"""Chromium without a window, driven over its DevTools pipe with the standard library only."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""A page at the width of a phone, a desk and paper: a picture of each, and what is wrong with it."""
+"""A page at the width of a phone, a desk and paper: a picture of each, what is wrong with it."""
 
 import base64
 from dataclasses import dataclass
