@@ -2,8 +2,8 @@
 
 HEAD = ('| set | joint | torque RMSE [Nm] | noise [Nm] | effects named | left, and what the '
         'recordings cannot tell |', '|---|---|---|---|---|---|')
-LOADED_HEAD = ('| set | loaded run | known mass [kg] | estimated before -> after [kg] | error [g] |',
-               '|---|---|---|---|---|')
+LOADED_HEAD = ('| set | loaded run | known mass [kg] | estimated before -> after [kg] | '
+               'error [g] |', '|---|---|---|---|---|')
 # Structure below this share of what is left is told as noise, as in the report.
 _WEIGHTY = 0.05
 
@@ -48,10 +48,14 @@ def _left(joint, share, report):
     return '; '.join(left)
 
 
-def of_all_joints(name, report):
-    """Return the lines of what a set's recordings cannot tell of any joint."""
-    return [f'- {name}: {_cell(sentence)}' for sentence in report['cannot_tell']
-            if not any(joint in sentence for joint in report['joints'])]
+def of_all_joints(results):
+    """Return the lines of what recordings cannot tell of any joint, sets with one reason once."""
+    sets = {}
+    for name, report in results.items():
+        for sentence in () if isinstance(report, str) else report['cannot_tell']:
+            if not any(joint in sentence for joint in report['joints']):
+                sets.setdefault(_cell(sentence), []).append(name)
+    return [f'- {", ".join(names)}: {sentence}' for sentence, names in sets.items()]
 
 
 def loaded_rows(name, loads):
@@ -72,13 +76,12 @@ def table(results, loads=None):
 
     loads: {set: [(run, known mass, mass before, mass after)]} [kg].
     """
-    lines, cannot, loaded = list(HEAD), [], []
+    lines, cannot, loaded = list(HEAD), of_all_joints(results), []
     for name, result in results.items():
         if isinstance(result, str):
             lines.append(failed_row(name, result))
             continue
         lines += rows_of(name, result)
-        cannot += of_all_joints(name, result)
         loaded += loaded_rows(name, (loads or {}).get(name, ()))
     if cannot:
         lines += ['', 'Not to be told of any joint:', '', *cannot]
