@@ -229,7 +229,7 @@ def test_the_page_shows_what_was_measured():
     assert '| `time_delay` | 2 | delay | 25 |' in page
     assert 's: not so strong' in page and 'f: ValueError: broke' in page
     # Beyond the goals: the second case, in torque and in mass.
-    assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 3.00 | 2.00 |' in page
+    assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 3.000 | 2.000 |' in page
     assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 400.0 | 200.0 | 100.0 | 2.00 |' \
         in page
 

@@ -73,7 +73,7 @@ def _beyond(total):
     if torque:
         out += [f'## Torque error beyond {TORQUE_GOAL:g} x of no effect', markdown_table(
             [*_CASE, 'before, x', 'after, x'],
-            [[*_case(c), f'{c["torque"]["before"]:.2f}', f'{c["torque"]["after"]:.2f}']
+            [[*_case(c), f'{c["torque"]["before"]:.3f}', f'{c["torque"]["after"]:.3f}']
              for c in torque])]
     mass = beyond(total, 'mass', MASS_GOAL)
     if mass:
