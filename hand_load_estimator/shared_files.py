@@ -37,7 +37,8 @@ def find_shared(name, *folders):
         for candidate in (folder / name, folder / f'{name}.yaml'):
             if candidate.exists():
                 return candidate
-    shipped = sorted(p.stem for f in folders for p in (config / f).glob('*.yaml'))
+    shipped = sorted(p.stem for f in folders for p in (config / f).glob('*')
+                     if p.suffix == '.yaml' or p.is_dir())
     raise ConfigurationError(name, 'is neither a path nor a shipped file',
                              allowed=f'a path or one of {", ".join(shipped)}' if shipped
                              else 'a path')

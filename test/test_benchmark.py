@@ -10,6 +10,7 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
+from hand_load_estimator.benchmark.contestants import REGRESSOR
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
@@ -263,22 +264,25 @@ def test_an_unknown_suite_is_refused(tmp_path):
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     """Plants measured before are read, not measured again."""
     plants = seeds.BENCHMARK_PLANTS[:2]
-    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'abc'})
+    monkeypatch.setattr(run, 'commit_now', lambda: 'abc')
     monkeypatch.setattr(run, 'measure_plant', broken)
-    (tmp_path / 'raw').mkdir()
+    folder = tmp_path / 'base-8-bayes'
+    (folder / 'raw').mkdir(parents=True)
     for k, plant in enumerate(plants):
-        (tmp_path / 'raw' / f'plant_{plant}.json').write_text(
+        (folder / 'raw' / f'plant_{plant}.json').write_text(
             json.dumps([result(plant, k, off=0.1)]))
-    options = run.Options(cases=8, workers=0)
+    options = run.Options(cases=8, methods=('bayes',), workers=0)
     page = run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
     assert 'the command' in page and '2 of 2 cases from 2 plants' in page
-    assert (tmp_path / 'README.md').read_text() == page
-    assert '<img src="data:image/svg+xml' in (tmp_path / 'index.html').read_text()
-    content = json.loads((tmp_path / 'scores.json').read_text())
+    assert (folder / 'README.md').read_text() == page
+    assert '<img src="data:image/svg+xml' in (folder / 'index.html').read_text()
+    content = json.loads((folder / 'scores.json').read_text())
     assert content['schema'] == 'hand_load/benchmark/1'
     assert content['scores']['bayes'][0]['mass']['rmse'] == pytest.approx(0.1)
-    assert (tmp_path / 'mass.png').stat().st_size > 5000
-    monkeypatch.setattr(run, '_key', lambda *_: {'commit': 'def'})
+    assert (folder / 'mass.png').stat().st_size > 5000
+    assert '| [base-8-bayes](base-8-bayes/README.md) | 2 of 2, 2 plants | abc | `the command` |' \
+        in (tmp_path / 'README.md').read_text()
+    monkeypatch.setattr(run, 'commit_now', lambda: 'def')
     with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):
         run.run_suites('base', options, tmp_path, 'the command', lambda text: None)
 
@@ -307,7 +311,7 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert error['bayes'] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
-    assert set(found['cost']) == {*found['methods'], 'one pinocchio load regressor call'}
+    assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
     # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
     assert 'lstm' not in found['methods']

@@ -10,6 +10,7 @@ import yaml
 
 from hand_load_estimator import cli, seeds
 from hand_load_estimator.benchmark import cases, effect_measure, effect_recordings, effect_run
+from hand_load_estimator.benchmark.document import blocks_of, to_markdown
 from hand_load_estimator.benchmark.effect_cases import EffectCase, Hidden, suite_cases
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_goals import beyond, verdicts
@@ -224,6 +225,7 @@ def test_a_run_broken_off_names_what_has_no_case_yet():
 
 def test_the_page_shows_what_was_measured():
     page = effects_markdown(results(), 'hand_load benchmark --suite effects', 'abc1234')
+    assert to_markdown(blocks_of(page)) == page
     assert 'hand_load benchmark --suite effects' in page and 'abc1234' in page
     assert '| `time_delay` | 2 | 1 of 2 | found 1, confused 1 | 2 of 2 | backlash 1 |' in page
     assert '| `time_delay` | 2 | delay | 25 |' in page
@@ -307,6 +309,9 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
     page = effect_run.run_effects('ur10e', tmp_path, 'the command', told.append)
     assert 'the command' in page and told[0] == '3 of 3 are there'
     assert (tmp_path / 'README.md').read_text() == page
+    html = (tmp_path / 'index.html').read_text()
+    assert html.count('<table>') == page.count('| --- |\n') and '<h1>Undeclared effects' in html
+    assert '| ' not in html.split('<body>')[1]
     assert json.loads((tmp_path / 'scores.json').read_text())['suite'] == 'effects'
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'def')
     with pytest.raises(ConfigurationError, match='another suite, robot, artefact or commit'):

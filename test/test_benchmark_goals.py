@@ -5,8 +5,8 @@ import pytest
 from test_benchmark import result
 
 from hand_load_estimator.benchmark import goals
-from hand_load_estimator.benchmark.document import (Heading, Picture, Table, Text, to_html,
-                                                    to_markdown, write_pages)
+from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture, Table, Text,
+                                                    to_html, to_markdown, write_pages)
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
                                                   offline_scores, overview, score)
@@ -30,14 +30,16 @@ def content(results):
 
 
 def judged(contents):
-    return {what: (measured, reached) for what, _, measured, reached in goals.goal_rows(contents)}
+    """Return {goal: (measured, reached)} of {suite: content}."""
+    runs = [(suite, {'suite': suite, **content}) for suite, content in contents.items()]
+    return {row.goal: (row.measured, row.reached) for row in goals.goal_rows(runs)}
 
 
 def test_nothing_measured_is_nothing_reached():
-    rows = goals.goal_rows({})
+    rows = goals.goal_rows([])
     assert len(rows) == 21
-    assert {row[3] for row in rows} == {None}
-    assert {row[2] for row in rows} == {goals.NOT_MEASURED}
+    assert {row.reached for row in rows} == {None}
+    assert {row.measured for row in rows} == {goals.NOT_MEASURED}
 
 
 def test_mass_and_rivals_are_judged_on_the_default():
@@ -70,6 +72,23 @@ def test_cold_is_over_warm_at_the_worst_time():
     assert judged({'cold': cold, 'warm': warm})['cold over warm, mass RMSE, worst time'] \
         == ('1.60 x at 0.1 s, 1.60 x at 1 s', False)
     assert judged({'cold': cold})['cold over warm, mass RMSE, worst time'][1] is None
+    more = content([case(k, (0.1,) * 5) for k in range(3)])
+    assert judged({'cold': cold, 'warm': more})['cold over warm, mass RMSE, worst time'][1] is None
+
+
+def test_of_several_runs_the_largest_that_measured_a_goal_counts():
+    """Many cases of the default alone, few of all methods: the network's share is of the few."""
+    few = {'suite': 'base', **content([case(k, (0.01, 0.02, 0.1, 0.1, 0.1)) for k in range(2)])}
+    many = {'suite': 'base', **content([case(k, (0.004, 0.1, 0.1, 0.1, 0.1)) for k in range(4)]),
+            'network': []}
+    rows = {row.goal: row for row in goals.goal_rows([('base', few), ('base-2000-lstm', many)])}
+    mass = rows['mass, 3 s, RMSE']
+    assert (mass.measured, mass.runs) == ('4 g', ('base-2000-lstm',))
+    share = rows["the network's own share of the error at 1 s, mass"]
+    assert (share.measured, share.runs) == ('50 %', ('base',))
+    assert rows['soak: memory and time per message'].runs == ()
+    page = to_markdown([goals.goal_table(list(rows.values()))])
+    assert '| <= 10 g | 4 g | yes | [base-2000-lstm](base-2000-lstm/README.md) |' in page
 
 
 def test_moments_are_due_where_the_bound_settles_them():
@@ -109,17 +128,31 @@ def test_offline_rivals_are_scored_beside_ours_on_their_cases():
 def test_changes_and_soak_are_judged():
     changes = {'methods': {'lstm': {'changes': 8, 'missed': 1, 'delay_median': 0.1,
                                     'delay_p95': 0.15, 'false_alarms': 0, 'hours': 10.0}}}
-    soak = {'hours': 24.0, 'flat_memory': True, 'flat_time': True, 'times_real_time': 12.0,
-            'growth_mib': 0.3, 'time_drift_percent': 1.0}
+    soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,
+            'times_real_time': 12.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0}
+    goal = 'soak: memory and time per message'
     found = judged({'changes': changes, 'soak': soak})
     assert found['load change: 95th percentile of the delay after motion'][1] is False
     assert found['false load changes while running from cold'] == ('0 in 10.0 h', True)
-    assert found['soak: memory and time per message'][1] is True
+    assert found[goal][1] is True
+    assert judged({'soak': {**soak, 'method': 'bayes'}})[goal][1] is None
     changes['methods']['lstm'].update(missed=0, hours=5.0)
     found = judged({'changes': changes, 'soak': {**soak, 'hours': 1.0}})
     assert found['load change: 95th percentile of the delay after motion'][1] is True
     assert found['false load changes while running from cold'][1] is False
-    assert found['soak: memory and time per message'][1] is False
+    assert found[goal][1] is False
+    changes['methods']['lstm'].update(missed=8, delay_median=None, delay_p95=None)
+    assert judged({'changes': changes})[
+        'load change: 95th percentile of the delay after motion'] == ('8 of 8 missed', False)
+
+
+def test_cost_is_judged_beside_what_joint_states_cost():
+    cost = {'cost': {goals.REGRESSOR: {'mean': 1e-5}, 'lstm': {'mean': 2e-4, 'p99': 9e-4}},
+            'joint_state': {'mean': 5e-5}}
+    assert judged({'cost': cost})[f'per sample over {goals.REGRESSOR}'] \
+        == ('mean 20, p99 90; each joint state before it 5.0', True)
+    cost['cost']['lstm']['mean'] = 4e-4
+    assert judged({'cost': cost})[f'per sample over {goals.REGRESSOR}'][1] is False
 
 
 def test_a_page_is_told_twice(tmp_path):
@@ -135,3 +168,23 @@ def test_a_page_is_told_twice(tmp_path):
     assert 'http' not in html.split('<body>')[1]
     write_pages(tmp_path, blocks)
     assert {p.name for p in tmp_path.iterdir()} == {'README.md', 'index.html', 'p.png'}
+
+
+def test_links_are_links_in_html_and_nothing_else_is():
+    html = to_html([Text('[base](base/README.md), [b](https://b.org/?a=1&c="2")'),
+                    Table(('run',), (('[cold](cold/README.md)',),)),
+                    Text('[x](javascript:alert) [y](data:text/html,1) `[z](z.html)` **as `c`**'),
+                    Text('- one\n- **two**')]).split('<body>')[1]
+    assert '<p><a href="base/index.html">base</a>, ' in html
+    assert '<a href="https://b.org/?a=1&amp;c=&quot;2&quot;">b</a>' in html
+    assert '<td><a href="cold/index.html">cold</a></td>' in html
+    assert 'href="javascript' not in html and 'href="data' not in html
+    assert '<code>&#91;z](z.html)</code>' in html
+    assert '<strong>as <code>c</code></strong>' in html
+    assert '<ul><li>one</li><li><strong>two</strong></li></ul>' in html
+
+
+def test_a_page_of_markdown_becomes_the_blocks_it_was_made_of():
+    blocks = [Heading('Title', 1), Text('a **b**'), Heading('Part'),
+              Table(('a', 'b'), (('1', '-'), ('`x`', ''))), Text('- one\n- two')]
+    assert blocks_of(to_markdown(blocks)) == blocks

@@ -12,8 +12,9 @@ import pytest
 from ros_helpers import ROOT
 
 from hand_load_estimator import seeds
-from hand_load_estimator.benchmark import changes, cost, real, soak
-from hand_load_estimator.benchmark.contestants import chosen_methods, cost_of, REGRESSOR
+from hand_load_estimator.benchmark import cases, changes, cost, real, soak
+from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, NOMINAL,
+                                                        REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
                                                        soak_blocks)
@@ -21,6 +22,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.plant import JointEvent, TemperatureEvent
 from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.simulate_motions import named_motion
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
 
@@ -62,7 +64,9 @@ def test_delays_count_from_motion_and_only_after_the_change():
                                         'delay_median': pytest.approx(math.nan, nan_ok=True)}
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
     page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
-    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page
+    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page and 'Not measured here' not in page
+    page = to_markdown(change_blocks({'methods': {'bayes': figures}, 'left_out': ['gp_bayes']}))
+    assert 'Not measured here: `gp_bayes`;' in page
 
 
 def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
@@ -115,9 +119,12 @@ def test_data_that_is_not_there_is_refused(tmp_path):
 @pytest.mark.skipif(not (DATA / 'staubli_tx40').is_dir(), reason=f'no recordings at {DATA}')
 def test_a_measured_set_is_identified_and_estimated(tmp_path):
     (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',))
+    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL}
     assert found['truth'] == 0.0 and found['rated'] == 1.7
     mass, std = found['methods']['bayes'][-1]
     assert abs(mass) < 1.7 and 0.0 < std < 1.0
+    # The nominal model knows no friction: its rival is not given the identified one by mistake.
+    assert found['methods'][NOMINAL][-1] != found['methods'][TEXTBOOK][-1]
 
 
 # Cost and memory.
@@ -129,13 +136,38 @@ def test_the_first_sample_is_no_running_cost():
 
 def test_cost_is_told_over_one_regressor_call():
     found = {'name': 'bayes', 'cost': {'mean': 3e-4, 'p50': 2e-4, 'p99': 9e-4},
-             'regressor': {'mean': 1e-5, 'p50': 1e-5, 'p99': 2e-5}, 'start_mib': 1.0,
+             'regressor': {'mean': 1e-5, 'p50': 1e-5, 'p99': 2e-5},
+             'joint_state': {'mean': 5e-5, 'p50': 4e-5, 'p99': 8e-5}, 'start_mib': 1.0,
              'growth_mib': 0.25}
     content = cost.cost_scores({'cost_lstm': found})
     assert content['cost'][REGRESSOR]['mean'] == 1e-5
     page = to_markdown(cost_blocks(content))
-    assert '| lstm | 300.0 | 200.0 | 900.0 | 30 | 90 | +1.0 | +0.2 |' in page
+    # 500 joint states of 50 us and 50 samples of 300 us are 40 ms of every second.
+    assert '| lstm | 300.0 | 200.0 | 900.0 | 30 | 90 | 4.0 | +1.0 | +0.2 |' in page
+    assert 'guard and filter | 50.0 | 40.0 | 80.0 | 5 | 8 | - | - | - |' in page
+    assert 'joint torque regressor call (whole arm)' in page
     assert '`lstm` has no artefact here and ran as `bayes`' in page
+
+
+def test_every_joint_state_is_timed_and_samples_are_as_before():
+    robot = four_axes()
+    events = list(cases.motion_events(robot, named_motion('pick_place', robot, 1.0, 0.5, 1)))
+    stream = cost.TimedStream(robot)
+    samples = list(cases.stream_samples(robot, events, stream))
+    assert len(stream.times) == sum(isinstance(event, JointEvent) for event in events) > 100
+    assert min(stream.times) > 0.0
+    plain = list(cases.stream_samples(robot, events))
+    assert len(plain) == len(samples)
+    np.testing.assert_array_equal([s.effort for s in plain], [s.effort for s in samples])
+
+
+def test_a_method_on_a_learned_difference_has_its_cost(monkeypatch):
+    """On the difference shipped for the model; 50 samples are warm-up."""
+    monkeypatch.setattr(cases, 'DURATION', 2.0)
+    found = cost.measure_cost('ur10e', 'gp_bayes', None)
+    assert found['name'] == 'gp_bayes'
+    assert found['cost']['mean'] > found['regressor']['mean'] > 0.0
+    assert found['joint_state']['mean'] > 0.0
 
 
 def test_every_method_has_a_cost_job():

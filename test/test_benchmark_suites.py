@@ -7,14 +7,14 @@ from core_helpers import four_axes
 import numpy as np
 import pytest
 
-from hand_load_estimator import seeds
-from hand_load_estimator.benchmark import arms, execute, run
+from hand_load_estimator import cli, seeds
+from hand_load_estimator.benchmark import arms, execute, joined, run, suites
 from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.plant.hidden import EFFECTS
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.shared_files import find_shared, share_folder
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 CASES = seeds.DEVELOPMENT_CASES[900:940]
@@ -94,7 +94,6 @@ def test_wrists_that_cannot_swing_are_refused():
 
 
 def test_undeclared_effects_take_turns_at_strength_two():
-    """One round over all effects; those that a small arm cannot have leave the case clean."""
     robot = four_axes()
     names = list(EFFECTS)
     seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
@@ -103,6 +102,27 @@ def test_undeclared_effects_take_turns_at_strength_two():
     assert entry['name'] == 'torque_offset' and entry['strength'] == 2.0
     assert len(entry['joints']) == 1
     assert {names[s % len(names)] for s in CASES} == set(EFFECTS)
+
+
+def test_where_no_joint_can_have_an_effect_the_next_one_is_hidden(monkeypatch):
+    robot, names = four_axes(), list(EFFECTS)
+    seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
+    place = suites.place
+
+    def without(refused):
+        def placed(robot, case):
+            if case.hidden[0].name in refused:
+                raise ConfigurationError('plant', 'cannot')
+            return place(robot, case)
+        return placed
+
+    last = names.index('torque_offset')
+    monkeypatch.setattr(suites, 'place', without(names[last:]))
+    (entry,) = SUITES['undeclared'].draw(robot, PLANT, seed).hidden
+    assert entry['name'] in names[:last]
+    monkeypatch.setattr(suites, 'place', without(names))
+    with pytest.raises(ConfigurationError, match='no effect so strong'):
+        SUITES['undeclared'].draw(robot, PLANT, seed)
 
 
 # Running jobs.
@@ -193,15 +213,80 @@ def test_wrong_choices_are_refused_at_once(options, match, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def run_of(options, commit='abc', command='the command'):
+    return run._run(options, command, commit)
+
+
 def test_several_suites_share_one_table_of_goals(tmp_path, monkeypatch):
-    def measure(name, options, folder, command, write):
+    def measure(name, options, out, command, write):
         if name == 'real':
             raise ConfigurationError('--data', 'is not there')
-        return {'suite': name}, ''
+        (out / name).mkdir()
+        joined.write_scores(out / name, {'suite': name, 'run': run_of(options)})
+        return ''
 
     monkeypatch.setattr(run, '_measure', measure)
     page = run.run_suites('slow,real', run.Options(), tmp_path, 'the command', lambda text: None)
     assert '| goal (issue 4) |' in page and '[slow](slow/README.md)' in page
     assert 'Not measured: real' in page
+    assert '<a href="slow/index.html">slow</a>' in (tmp_path / 'index.html').read_text()
     content = json.loads((tmp_path / 'scores.json').read_text())
-    assert content['suites'] == ['slow'] and len(content['goals']) == 21
+    assert [found['folder'] for found in content['runs']] == ['slow']
+    assert len(content['goals']) == 21
+    with pytest.raises(ConfigurationError, match='--data'):
+        run.run_suites('real', run.Options(), tmp_path, 'the command', lambda text: None)
+
+
+def test_runs_of_other_calls_and_commits_are_joined(tmp_path):
+    """Each row and each run tells where it comes from."""
+    soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,
+            'times_real_time': 9.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0}
+    for name, suite, commit, more in (('soak-24h', 'soak', 'abc', soak), ('real', 'real', 'def', {
+            'figure': math.nan})):
+        (tmp_path / name).mkdir()
+        joined.write_scores(tmp_path / name, {
+            'suite': suite, 'run': run_of(run.Options(), commit, f'command {name}'), **more})
+    (tmp_path / 'effects').mkdir()
+    joined.write_scores(tmp_path / 'effects', {'suite': 'effects'})
+    page = joined.write_index(tmp_path, run.SCHEMA)
+    assert '| yes | [soak-24h](soak-24h/README.md) |' in page
+    assert '| [real](real/README.md) | - | def | `command real` |' in page
+    assert '2 commits' in page and '[effects]' not in page and 'looking and choosing' not in page
+    assert json.loads((tmp_path / 'real' / 'scores.json').read_text())['figure'] is None
+    (goal,) = [row for row in json.loads((tmp_path / 'scores.json').read_text())['goals']
+               if row['reached']]
+    assert goal['runs'] == ['soak-24h']
+
+
+def test_runs_that_are_no_part_of_one_table_are_refused(tmp_path):
+    (tmp_path / 'base').mkdir()
+    joined.write_scores(tmp_path / 'base', {'suite': 'base', 'run': run_of(run.Options())})
+    joined.refuse_mixture(tmp_path, run_of(run.Options(cases=2000), 'def'))
+    for other in (run.Options(development=True), run.Options(robot='ur10e_current')):
+        with pytest.raises(ConfigurationError, match='another robot, artefact or seeds'):
+            run.run_suites('cold', other, tmp_path, '', lambda text: None)
+
+
+def test_a_table_on_development_seeds_says_so(tmp_path):
+    (tmp_path / 'base').mkdir()
+    joined.write_scores(tmp_path / 'base', {
+        'suite': 'base', 'run': run_of(run.Options(development=True)), 'scores': {}, 'overview': {
+            'cases': 4, 'scored': 3, 'plants': 1}})
+    page = joined.write_index(tmp_path, run.SCHEMA)
+    assert 'seeds for looking and choosing' in page and '| 3 of 4, 1 plants |' in page
+
+
+def test_folders_are_named_by_suite_and_choice():
+    assert joined.run_name('base') == 'base'
+    assert joined.run_name('base', 2000, None, ('lstm',)) == 'base-2000-lstm'
+    assert joined.run_name('soak', None, 0.5, ('lstm', 'bayes')) == 'soak-0.5h-lstm+bayes'
+
+
+def test_the_command_finds_a_shipped_artefact_by_its_name(tmp_path, monkeypatch, capsys):
+    asked = []
+    monkeypatch.setattr(run, 'run_suites', lambda *args: asked.append(args[1].learned) or '')
+    arguments = ['benchmark', '--out', str(tmp_path), '--learned']
+    assert cli.main([*arguments, 'ur10e']) == 0
+    assert asked == [str(share_folder() / 'config' / 'learned' / 'ur10e')]
+    assert cli.main([*arguments, 'ur11']) == 2
+    assert 'neither a path nor a shipped file' in capsys.readouterr().err

@@ -202,6 +202,16 @@ def test_wrong_input_ends_with_two_and_one_line(folder, capsys, monkeypatch, arg
     assert not out.exists()
 
 
+def test_learned_takes_the_name_of_a_shipped_artefact(folder, capsys):
+    """Found, and then refused for what it is: made for another arm."""
+    assert command(folder, 'run', '--method', 'lstm', '--learned', 'ur10e') == (2, None)
+    said = capsys.readouterr().err
+    assert 'learned/ur10e/card.json: belongs to other joints' in said
+    assert command(folder, 'run', '--method', 'lstm', '--learned', 'ur11') == (2, None)
+    said = capsys.readouterr().err
+    assert 'neither a path nor a shipped file' in said and 'ur10e_gru' in said
+
+
 def test_estimating_needs_neither_torch_nor_simulator(folder):
     """In a process of its own, so that nothing another test imported can hide it."""
     code = ('import sys\n'

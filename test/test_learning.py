@@ -279,3 +279,17 @@ def test_factors_differ_where_the_errors_do(monkeypatch):
     factors = calibrate(None, (), None)
     np.testing.assert_allclose(factors[:, :3], 3.0, rtol=0.1)
     np.testing.assert_allclose(factors[:, 4:], 1.0, rtol=0.1)
+
+
+def test_coverage_is_told_of_arms_that_there_are(monkeypatch):
+    """Without an arm of a kind nothing is divided by none."""
+    ratios = np.random.default_rng(6).normal(size=(400, len(JUDGED), 10))
+    for severe, there in ((np.zeros(400, bool), ''), (np.ones(400, bool),
+                                                      '_with_undeclared_effect')):
+        monkeypatch.setattr(calibration, '_errors',
+                            lambda *_, s=severe: (ratios, ratios, -np.ones(ratios.shape), s))
+        with np.errstate(all='raise'):
+            found = held_out_scores(None, np.ones((10, len(LEVELS))), (), None)
+        assert [name for name in found if name.startswith('coverage')] == [
+            f'coverage_of_95{there}']
+        assert abs(found[f'coverage_of_95{there}']['m'] - 0.95) < 0.01

@@ -18,8 +18,9 @@ from hand_load_estimator.residual.blocks import Blocks
 from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, partners,
                                                      same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
+from hand_load_estimator.residual.diagnosis import Finding
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.findings import separating_motion
+from hand_load_estimator.residual.findings import refuted, separating_motion
 from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
                                                  too_little_gained, warmed_joints)
@@ -240,6 +241,21 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
     assert separating_motion(residual, chosen, ['link_inertia']).startswith(NO_MOTION) == same
+
+
+def test_what_makes_its_joint_worse_where_nothing_was_fitted_is_suspected():
+    def found(name, joint, verdict='confirmed', recording=''):
+        explained = np.eye(3)[joint]
+        return Finding(name, (f'j{joint}',), {}, explained, None, (), '', False, verdict,
+                       recording=recording)
+    given = (found('cable_drag', 0), found('backlash', 1), found('backlash', 1, 'suspected'),
+             found('external_contact', 1, recording='run'), found('unknown', 1),
+             found('backlash', 2))
+    kept, told = refuted(given, ('j0', 'j1', 'j2'), np.array([1.0, 1.0, np.nan]),
+                         np.array([0.5, 1.2, np.nan]))
+    assert [f.verdict for f in kept] == ['confirmed', 'suspected', 'suspected', 'confirmed',
+                                         'confirmed', 'confirmed']
+    assert len(told) == 1 and told[0].startswith('j1: backlash') and '1.2 Nm' in told[0]
 
 
 def test_the_rhythm_of_what_is_left():

@@ -68,9 +68,9 @@ def draw_case(robot, plant, seed, temperatures=TEMPERATURES, speeds=SPEEDS):
     return Case(plant, seed, load, rng.uniform(*temperatures), rng.uniform(*speeds))
 
 
-def stream_samples(robot, events):
+def stream_samples(robot, events, stream=None):
     """Yield the MotionSamples of a plant's events, but for those right after a gap."""
-    stream = JointStream(robot)
+    stream = stream or JointStream(robot)
     for event in events:
         if isinstance(event, TemperatureEvent):
             for joint, celsius in zip(robot.joints, event.celsius):
@@ -82,10 +82,15 @@ def stream_samples(robot, events):
             yield sample
 
 
+def motion_events(robot, motion, **arguments):
+    """Yield the events of a plant that follows a motion; arguments: as of Plant."""
+    return simulate_motion(robot, motion.time, motion.position, motion.velocity,
+                           motion.acceleration, **arguments)
+
+
 def simulated(robot, motion, **arguments):
     """Return the MotionSamples of a motion; arguments: as of Plant."""
-    return list(stream_samples(robot, simulate_motion(
-        robot, motion.time, motion.position, motion.velocity, motion.acceleration, **arguments)))
+    return list(stream_samples(robot, motion_events(robot, motion, **arguments)))
 
 
 def identification_evidence(robot, plant):
@@ -107,12 +112,16 @@ def case_motion(robot, case):
     return named_motion(case.motion, robot, DURATION, case.speed, case.seed)
 
 
-def case_samples(robot, case, effects=()):
-    """Return the MotionSamples of a Case; effects: EffectRequests beside the case's own."""
-    motion = case_motion(robot, case)
+def case_events(robot, case, effects=()):
+    """Yield the plant's events of a Case; effects: EffectRequests beside the case's own."""
     effects = (*effects, *parse_effects(list(case.hidden), robot, f'case {case.seed}'))
-    return simulated(robot, motion, seed=case.plant, run=case.seed,
-                     start_temperature=case.temperature, load=case.load, effects=effects)
+    return motion_events(robot, case_motion(robot, case), seed=case.plant, run=case.seed,
+                         start_temperature=case.temperature, load=case.load, effects=effects)
+
+
+def case_samples(robot, case, effects=()):
+    """Return the MotionSamples of a Case; effects: as of case_events."""
+    return list(stream_samples(robot, case_events(robot, case, effects)))
 
 
 def motion_start(robot, samples):

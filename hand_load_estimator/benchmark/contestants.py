@@ -19,7 +19,8 @@ TEXTBOOK = 'least squares, Coulomb + viscous'
 TEXTBOOK_CAREFUL = 'the same, standing joints left out'
 NOMINAL = 'recursive least squares, nominal model'
 FIXED = 'fixed rated load'
-REGRESSOR = 'one pinocchio load regressor call'
+# The whole arm's regressor: the load's columns alone are no call of pinocchio's.
+REGRESSOR = 'one pinocchio joint torque regressor call (whole arm)'
 
 
 def chosen_methods(names=None):

@@ -1,11 +1,15 @@
 """The cost suite: what one sample costs each method, alone in a process of its own."""
 
+import time
+
 import numpy as np
 
 from .. import seeds
+from ..estimators.build import shipped_difference
+from ..joint_stream import JointStream
 from ..model_file import read_model
 from ..shared_files import find_shared
-from .cases import case_samples, draw_case
+from .cases import case_events, draw_case, stream_samples
 from .contestants import chosen_methods, cost_of, our_contestants, REGRESSOR, RegressorClock
 from .memory import resident_mib
 
@@ -13,20 +17,37 @@ from .memory import resident_mib
 _WARM_UP = 50
 
 
+class TimedStream(JointStream):
+    """A JointStream that notes what each joint state takes: guard and filter, no estimate."""
+
+    def __init__(self, robot):
+        super().__init__(robot)
+        self.times = []
+
+    def joint_state(self, *message):
+        """Take one joint state; return as JointStream does."""
+        began = time.thread_time()
+        sample = super().joint_state(*message)
+        self.times.append(time.thread_time() - began)
+        return sample
+
+
 def measure_cost(robot_name, method, learned):
     """
     Return the cost of one method on a development case with the model shipped for a robot.
 
-    {'name', 'cost', 'regressor'}: seconds per 20 ms sample and per call of pinocchio's regressor
-    at the same samples, each mean, p50, p99; 'start_mib': memory that building it took;
-    'growth_mib': that it took from the first second to the last.
+    {'name', 'cost', 'regressor', 'joint_state'}: seconds per 20 ms sample, per call of
+    pinocchio's regressor at the same samples, and per joint state at 500 Hz before any method
+    sees it, each mean, p50, p99; 'start_mib': memory that building it took; 'growth_mib': that it
+    took from the first second to the last.
     """
     model = read_model(find_shared(robot_name, 'models'))
     robot = model.robot
-    samples = case_samples(robot, draw_case(robot, seeds.SHIPPED_MODEL_PLANT,
-                                            seeds.DEVELOPMENT_CASES[0]))
+    stream = TimedStream(robot)
+    case = draw_case(robot, seeds.SHIPPED_MODEL_PLANT, seeds.DEVELOPMENT_CASES[0])
+    samples = list(stream_samples(robot, case_events(robot, case), stream))
     clock, before = RegressorClock(robot), resident_mib()
-    racing = our_contestants(model, (method,), learned)
+    racing = our_contestants(model, (method,), learned, shipped_difference(model))
     built, (contestant,) = resident_mib(), racing.values()
     for k, sample in enumerate(samples):
         clock.update(sample)
@@ -34,7 +55,8 @@ def measure_cost(robot_name, method, learned):
         if k == _WARM_UP:
             warm = resident_mib()
     return {'name': contestant.method.name, 'cost': cost_of(contestant.times[_WARM_UP:]),
-            'regressor': cost_of(clock.times[_WARM_UP:]), 'start_mib': built - before,
+            'regressor': cost_of(clock.times[_WARM_UP:]),
+            'joint_state': cost_of(stream.times[_WARM_UP:]), 'start_mib': built - before,
             'growth_mib': resident_mib() - warm}
 
 
@@ -44,11 +66,13 @@ def cost_jobs(robot_name, learned, methods):
 
 
 def cost_scores(results):
-    """Return {'cost': {method: seconds}, 'memory': {method: MiB}} of results by label."""
+    """Return {'cost': {method: seconds}, 'joint_state', 'memory': {method: MiB}} by label."""
     by_name = {label.removeprefix('cost_'): r for label, r in results.items()}
-    unit = {key: float(np.median([r['regressor'][key] for r in by_name.values()]))
-            for key in ('mean', 'p50', 'p99')}
-    return {'cost': {REGRESSOR: unit, **{name: r['cost'] for name, r in by_name.items()}},
+    unit, joint_state = ({key: float(np.median([r[what][key] for r in by_name.values()]))
+                          for key in ('mean', 'p50', 'p99')}
+                         for what in ('regressor', 'joint_state'))
+    return {'joint_state': joint_state,
+            'cost': {REGRESSOR: unit, **{name: r['cost'] for name, r in by_name.items()}},
             'memory': {name: {key: r[key] for key in ('start_mib', 'growth_mib')}
                        for name, r in by_name.items()},
             'is': {name: r['name'] for name, r in by_name.items()}}

@@ -23,7 +23,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; `code` and **strong** as in Markdown."""
+    """A paragraph, or lines that each begin a list's item with `- `; Markdown's inline marks."""
 
     text: str
 
@@ -66,9 +66,24 @@ def _markdown(block):
 
 
 def _inline(text):
-    """Return text as HTML with its code and strong parts."""
-    text = re.sub(r'`([^`]+)`', r'<code>\1</code>', escape(text, quote=False))
+    """Return text as HTML with its code, strong parts and links."""
+    text = re.sub(r'`([^`]+)`', _code, escape(text))
+    text = re.sub(r'\[([^]]+)\]\(([^()\s]+)\)', _link, text)
     return re.sub(r'\*\*([^*]+)\*\*', r'<strong>\1</strong>', text)
+
+
+def _code(found):
+    # What stands in code is neither strong nor a link.
+    return f'<code>{found[1].replace("*", "&#42;").replace("[", "&#91;")}</code>'
+
+
+def _link(found):
+    """Return an HTML link of escaped text; another address than a page or file stays text."""
+    text, address = found.groups()
+    if re.match(r'[\w+.-]+:', address) and not re.match(r'https?://', address):
+        return found.group(0)
+    # A page's HTML twin lies beside its README.md.
+    return f'<a href="{re.sub("README[.]md$", "index.html", address)}">{text}</a>'
 
 
 def _html(block):
@@ -79,7 +94,25 @@ def _html(block):
                           [list(map(_inline, row)) for row in block.rows])
     if isinstance(block, Picture):
         return html_image(svg_of(block.height, block.draw, _WIDTH), block.shows)
+    lines = block.text.split('\n')
+    if all(line.startswith('- ') for line in lines):
+        return '<ul>' + ''.join(f'<li>{_inline(line[2:])}</li>' for line in lines) + '</ul>'
     return f'<p>{_inline(block.text)}</p>'
+
+
+def blocks_of(markdown):
+    """Return the blocks of a page of headings, tables and paragraphs; to_markdown's inverse."""
+    return [_block(part) for part in markdown.strip('\n').split('\n\n')]
+
+
+def _block(text):
+    if heading := re.match(r'(#+) (.*)', text):
+        return Heading(heading[2], len(heading[1]))
+    if text.startswith('| '):
+        head, _, *rows = [tuple(line.removeprefix('| ').removesuffix(' |').split(' | '))
+                          for line in text.split('\n')]
+        return Table(head, tuple(rows))
+    return Text(text)
 
 
 def to_markdown(blocks):

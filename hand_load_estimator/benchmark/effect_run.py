@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..robot import load_robot
 from ..shared_files import find_shared
+from .document import blocks_of, write_pages
 from .effect_cases import suite_cases
 from .effect_measure import case_result
 from .effect_page import effects_markdown
@@ -38,7 +39,7 @@ def _failed(case, why):
 
 def run_effects(robot_name, folder, command, write=print, workers=None, development=False):
     """
-    Measure the suite into `folder`: raw results per case, scores.json, README.md.
+    Measure the suite into `folder`: raw results per case, scores.json, README.md, index.html.
 
     development: the cases of the seeds for looking and choosing. Returns the page. A run broken
     off from the keyboard writes the pages of what it has.
@@ -54,9 +55,9 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
     try:
         results = run_cases(cases, robot_path, raw, workers, write)
     except KeyboardInterrupt:
-        write_pages(out, there(cases, raw), cases, command, key['commit'])
+        write_results(out, there(cases, raw), cases, command, key['commit'])
         raise
-    return write_pages(out, results, cases, command, key['commit'])
+    return write_results(out, results, cases, command, key['commit'])
 
 
 def there(cases, raw):
@@ -65,12 +66,10 @@ def there(cases, raw):
     return [json.loads(file.read_text('utf-8')) for file in files if file.exists()]
 
 
-def write_pages(out, results, cases, command, commit):
-    """Write scores.json and README.md of results of all or some of the cases; return the page."""
+def write_results(out, results, cases, command, commit):
+    """Write scores.json and the pages of results of all or some of the cases; return the page."""
     (out / 'scores.json').write_text(json.dumps(
         {'schema': SCHEMA, 'suite': SUITE, 'totals': totals(results),
          'effects': effect_rows(results), 'pairs': pair_rows(results)}, indent=1) + '\n',
         encoding='utf-8')
-    page = effects_markdown(results, command, commit, cases)
-    (out / 'README.md').write_text(page, encoding='utf-8')
-    return page
+    return write_pages(out, blocks_of(effects_markdown(results, command, commit, cases)))

@@ -1,5 +1,9 @@
 """The goals of issue 4 beside what the suites measured: one table, nothing rounded to a yes."""
 
+from dataclasses import dataclass, replace
+from itertools import product
+from math import isfinite
+
 from ..load import MESSAGE_ORDER
 from .contestants import DEFAULT, NOMINAL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
 from .document import Table
@@ -9,8 +13,15 @@ NOT_MEASURED = 'not measured'
 ENOUGH_CASES, ENOUGH_PLANTS = 2000, 40
 
 
-def _row(what, wanted, measured=NOT_MEASURED, reached=None):
-    return what, wanted, measured, reached
+@dataclass(frozen=True)
+class GoalRow:
+    """One goal: what is wanted and measured; reached is None where not; names of its runs."""
+
+    goal: str
+    wanted: str
+    measured: str = NOT_MEASURED
+    reached: bool | None = None
+    runs: tuple = ()
 
 
 class _Accuracy:
@@ -19,7 +30,13 @@ class _Accuracy:
     def __init__(self, content):
         self.scores = content['scores']
         self.overview = content['overview']
+        self.network = content.get('network', ())
         self.at = {entry['time']: entry for entry in self.scores[DEFAULT]}
+
+    @property
+    def counted(self):
+        """Cases and plants there are."""
+        return self.overview['cases'], self.overview['plants']
 
     def mass(self, time, figure='rmse', name=DEFAULT):
         entries = {entry['time']: entry for entry in self.scores[name]}
@@ -31,7 +48,11 @@ def _usable(content):
 
 
 def _limit(what, wanted, value, limit, unit, scale=1.0):
-    return _row(what, wanted, f'{scale * value:.3g} {unit}'.strip(), bool(scale * value <= limit))
+    # Few cases may hold nothing to judge: no load heavy enough.
+    if value is None or not isfinite(value):
+        return GoalRow(what, wanted)
+    value = scale * value
+    return GoalRow(what, wanted, f'{value:.3g} {unit}'.strip(), bool(value <= limit))
 
 
 def _mass_rows(base):
@@ -40,17 +61,17 @@ def _mass_rows(base):
     out = []
     for what, limit, time in rows:
         wanted = f'<= {limit:g} % of rated'
-        out.append(_row(what, wanted) if base is None else _limit(
+        out.append(GoalRow(what, wanted) if base is None else _limit(
             what, wanted, base.at[time]['mass_percent_of_rated']['p95'], limit, '%'))
     for time, grams in (('1 s', 60.0), ('3 s', 10.0), ('10 s', 5.0)):
         what, wanted = f'mass, {time}, RMSE', f'<= {grams:g} g'
-        out.append(_row(what, wanted) if base is None else _limit(
+        out.append(GoalRow(what, wanted) if base is None else _limit(
             what, wanted, base.mass(time), grams, 'g', 1e3))
     what, wanted = 'mass, 10 s, ratio to the Cramer-Rao bound', '<= 2'
-    out.append(_row(what, wanted) if base is None else _limit(
+    out.append(GoalRow(what, wanted) if base is None else _limit(
         what, wanted, base.mass('10 s') / base.at['10 s']['bound_mass_rmse'], 2.0, ''))
     what, wanted = 'centre of mass, 3 s, loads >= 2 kg, median', '<= 3 mm'
-    out.append(_row(what, wanted) if base is None else _limit(
+    out.append(GoalRow(what, wanted) if base is None else _limit(
         what, wanted, base.at['3 s']['com']['median'], 3.0, 'mm', 1e3))
     return out
 
@@ -60,32 +81,35 @@ def _inertia_rows(content):
             ('inertia suite: median error of those', '<= 15 %'))
     found = (content or {}).get('inertia', {}).get(DEFAULT)
     if not found:
-        return [_row(*row) for row in rows]
-    declared = 100.0 * found['declared']
-    return [_row(*rows[0], f'{declared:.0f} % of {found["due"]}', bool(declared >= 100.0)),
-            _limit(*rows[1], found['median_error'], 15.0, '%')]
+        return [GoalRow(*row) for row in rows]
+    declared, error = 100.0 * found['declared'], found['median_error']
+    of_those = (GoalRow(*rows[1], 'none declared', False) if not declared
+                else _limit(*rows[1], error, 15.0, '%'))
+    return [GoalRow(*rows[0], f'{declared:.0f} % of {found["due"]}', bool(declared >= 100.0)),
+            of_those]
 
 
-def _coverage_rows(base, undeclared):
+def _coverage_rows(base):
     first = ('coverage of 95 % intervals, every parameter and time', '93 to 97 %')
     second = ('median width over the bound, every parameter and time', '<= 3')
-    third = ('the same coverage with an undeclared effect', '>= 90 %')
-    out = []
     if base is None:
-        out += [_row(*first), _row(*second)]
-    else:
-        low, high = _range(base)
-        counts = base.overview
-        enough = counts['scored'] >= ENOUGH_CASES and counts['plants'] >= ENOUGH_PLANTS
-        told = f'{low:.1f} to {high:.1f} % ({counts["scored"]} cases, {counts["plants"]} plants'
-        out.append(_row(*first, told + (')' if enough else '; too few to count)'),
-                        bool(enough and low >= 93.0 and high <= 97.0)))
-        width = max(e['width_over_bound'][m] for e in base.at.values() for m in MESSAGE_ORDER)
-        out.append(_limit(*second, width, 3.0, ''))
+        return [GoalRow(*first), GoalRow(*second)]
+    low, high = _range(base)
+    counts = base.overview
+    enough = counts['scored'] >= ENOUGH_CASES and counts['plants'] >= ENOUGH_PLANTS
+    told = f'{low:.1f} to {high:.1f} % ({counts["scored"]} cases, {counts["plants"]} plants'
+    width = max(e['width_over_bound'][m] for e in base.at.values() for m in MESSAGE_ORDER)
+    return [GoalRow(*first, told + (')' if enough else '; too few to count)'),
+                    bool(enough and low >= 93.0 and high <= 97.0)),
+            _limit(*second, width, 3.0, '')]
+
+
+def _undeclared_rows(undeclared):
+    goal = ('the same coverage with an undeclared effect', '>= 90 %')
     if undeclared is None:
-        return [*out, _row(*third)]
+        return [GoalRow(*goal)]
     low, high = _range(undeclared)
-    return [*out, _row(*third, f'{low:.1f} to {high:.1f} %', bool(low >= 90.0))]
+    return [GoalRow(*goal, f'{low:.1f} to {high:.1f} %', bool(low >= 90.0))]
 
 
 def _range(suite):
@@ -102,96 +126,130 @@ def _rival_rows(base):
              (TEXTBOOK, TEXTBOOK_CAREFUL), 4.0)):
         wanted = f'>= {factor:g} x'
         if base is None or not all(name in base.scores for name in names):
-            out.append(_row(what, wanted))
+            out.append(GoalRow(what, wanted))
             continue
         ratio = min(base.mass('1 s', name=name) for name in names) / base.mass('1 s')
-        out.append(_row(what, wanted, f'{ratio:.1f} x', bool(ratio >= factor)))
+        out.append(GoalRow(what, wanted, f'{ratio:.1f} x', bool(ratio >= factor)))
     return out
 
 
-def _network_row(content):
+def _network_rows(base):
     what, wanted = "the network's own share of the error at 1 s, mass", '>= 20 %, or said'
-    shares = {share['time']: share for share in (content or {}).get('network', ())}
+    shares = {share['time']: share for share in base.network} if base else {}
     if not shares:
-        return _row(what, wanted)
+        return [GoalRow(what, wanted)]
     gain = shares['1 s']['mass']
     said = f'{gain:.0f} %' + ('' if gain >= 20.0 else ': below 20 %')
-    return _row(what, wanted, said, bool(gain >= 20.0))
+    return [GoalRow(what, wanted, said, bool(gain >= 20.0))]
 
 
-def _cost_row(content):
+def _cost_rows(content):
     what, wanted = f'per sample over {REGRESSOR}', 'mean <= 30, p99 told'
-    cost = (content or {}).get('cost') or (content or {}).get('overview', {}).get('cost')
+    cost = (content or {}).get('cost')
     if not cost or DEFAULT not in cost:
-        return _row(what, wanted)
+        return [GoalRow(what, wanted)]
     unit = cost[REGRESSOR]['mean']
     mean, tail = (cost[DEFAULT][key] / unit for key in ('mean', 'p99'))
-    return _row(what, wanted, f'mean {mean:.0f}, p99 {tail:.0f}', bool(mean <= 30.0))
+    before = content['joint_state']['mean'] / unit
+    told = f'mean {mean:.0f}, p99 {tail:.0f}; each joint state before it {before:.1f}'
+    return [GoalRow(what, wanted, told, bool(mean <= 30.0))]
 
 
-def _trust_rows(contents, base):
-    clean = ('MODEL_MISMATCH on clean plants', '< 1 % of the time')
-    out = []
+def _mismatch_rows(base):
+    goal = ('MODEL_MISMATCH on clean plants', '< 1 % of the time')
     if base is None or 'mismatch' not in base.overview:
-        out.append(_row(*clean))
-    else:
-        share = 100.0 * base.overview['mismatch'][DEFAULT]
-        out.append(_row(*clean, f'{share:.2f} %', bool(share < 1.0)))
+        return [GoalRow(*goal)]
+    share = 100.0 * base.overview['mismatch'][DEFAULT]
+    return [GoalRow(*goal, f'{share:.2f} %', bool(share < 1.0))]
+
+
+def _change_rows(content):
     seen = ('load change: 95th percentile of the delay after motion', '<= 0.2 s, none missed')
     false = ('false load changes while running from cold', '< 1 per 10 h')
-    found = contents.get('changes', {}).get('methods', {}).get(DEFAULT)
+    found = (content or {}).get('methods', {}).get(DEFAULT)
     if not found:
-        return [*out, _row(*seen), _row(*false)]
-    out.append(_row(*seen, f'{found["delay_p95"]:.2f} s (median {found["delay_median"]:.2f}), '
-                    f'{found["missed"]} of {found["changes"]} missed',
-                    bool(found['delay_p95'] <= 0.2 and not found['missed'])))
-    per_ten = 10.0 * found['false_alarms'] / found['hours'] if found['hours'] else float('nan')
-    enough = found['hours'] >= 10.0
-    told = f'{found["false_alarms"]} in {found["hours"]:.1f} h'
-    return [*out, _row(*false, told + ('' if enough else '; too few to count'),
-                       bool(enough and per_ten < 1.0))]
+        return [GoalRow(*seen), GoalRow(*false)]
+    hours, count = found['hours'], found['false_alarms']
+    told = f'{count} in {hours:.1f} h' + ('' if hours >= 10.0 else '; too few to count')
+    return [GoalRow(*seen, *_delay(found)),
+            GoalRow(*false, told, bool(hours >= 10.0 and 10.0 * count / hours < 1.0))]
 
 
-def _cold_row(cold, warm):
+def _delay(found):
+    """Return what is told of the delay of load changes, and whether the goal is reached."""
+    missed = f'{found["missed"]} of {found["changes"]} missed'
+    if not found['changes'] > found['missed']:
+        return missed, False
+    return (f'{found["delay_p95"]:.2f} s (median {found["delay_median"]:.2f}), {missed}',
+            bool(found['delay_p95'] <= 0.2 and not found['missed']))
+
+
+def _cold_rows(cold, warm):
     what, wanted = 'cold over warm, mass RMSE, worst time', '<= 1.5 x'
-    if cold is None or warm is None:
-        return _row(what, wanted)
+    # They are the same cases but for the temperature only where both are as many.
+    if cold is None or warm is None or cold.counted != warm.counted:
+        return [GoalRow(what, wanted)]
     ratios = {time: cold.mass(time) / warm.mass(time) for time in cold.at}
     worst = max(ratios, key=ratios.get)
-    return _row(what, wanted, f'{ratios[worst]:.2f} x at {worst}, {ratios["1 s"]:.2f} x at 1 s',
-                bool(ratios[worst] <= 1.5))
+    return [GoalRow(what, wanted, f'{ratios[worst]:.2f} x at {worst}, {ratios["1 s"]:.2f} x at '
+                    '1 s', bool(ratios[worst] <= 1.5))]
 
 
-def _soak_row(content):
+def _soak_rows(content):
     what, wanted = 'soak: memory and time per message', '24 h, flat, faster than real time'
-    if not content:
-        return _row(what, wanted)
+    if not content or content['method'] != DEFAULT:
+        return [GoalRow(what, wanted)]
     good = (content['hours'] >= 24.0 and content['flat_memory'] and content['flat_time']
             and content['times_real_time'] > 1.0)
-    return _row(what, wanted, f'{content["hours"]:.1f} h at {content["times_real_time"]:.0f} x, '
-                f'RSS {content["growth_mib"]:+.1f} MiB, time per message '
-                f'{content["time_drift_percent"]:+.0f} %', bool(good))
+    told = (f'{content["hours"]:.1f} h at {content["times_real_time"]:.0f} x, RSS '
+            f'{content["growth_mib"]:+.1f} MiB, time per message '
+            f'{content["time_drift_percent"]:+.0f} %')
+    return [GoalRow(what, wanted, told, bool(good))]
 
 
-def goal_rows(contents):
+# What is judged on which suites' runs, in the order of the table.
+_JUDGED = (
+    (('base',), _mass_rows), (('inertia',), _inertia_rows), (('base',), _coverage_rows),
+    (('undeclared',), _undeclared_rows), (('base',), _rival_rows), (('base',), _network_rows),
+    (('cost',), _cost_rows), (('base',), _mismatch_rows), (('changes',), _change_rows),
+    (('cold', 'warm'), _cold_rows), (('soak',), _soak_rows))
+_ON_ACCURACY = ('base', 'undeclared', 'cold', 'warm')
+
+
+def goal_rows(runs):
     """
-    Return (goal, wanted, measured, reached) of every goal; reached None where not measured.
+    Return the GoalRows of all goals.
 
-    contents: {suite: content of its scores.json}, as far as there are any. The default method's
-    figures count, except where it says otherwise.
+    runs: (name, content of scores.json) of any runs of any suites. The default method's figures
+    count, except where a row says otherwise; of several runs of a suite, those of the one with
+    most cases that measured the goal.
     """
-    suite = {name: _usable(contents.get(name)) for name in ('base', 'undeclared', 'cold', 'warm')}
-    base = contents.get('base')
-    return [*_mass_rows(suite['base']), *_inertia_rows(contents.get('inertia')),
-            *_coverage_rows(suite['base'], suite['undeclared']),
-            *_rival_rows(suite['base']), _network_row(base),
-            _cost_row(contents.get('cost') or base), *_trust_rows(contents, suite['base']),
-            _cold_row(suite['cold'], suite['warm']), _soak_row(contents.get('soak'))]
+    runs, out = sorted(runs, key=lambda run: -_size(run[1])), []
+    for suites, judge in _JUDGED:
+        rows = judge(*[None] * len(suites))
+        for chosen in product(*([r for r in runs if r[1]['suite'] == s] for s in suites)):
+            names = tuple(name for name, _ in chosen)
+            judged = judge(*(_usable(c) if c['suite'] in _ON_ACCURACY else c for _, c in chosen))
+            rows = [replace(new, runs=names) if old.reached is None and new.reached is not None
+                    else old for old, new in zip(rows, judged)]
+        out += rows
+    return out
 
 
-def goal_table(rows):
-    """Return the Table of goal_rows."""
+def _size(content):
+    """Return how much a run measured: its cases, or its hours of running."""
+    if 'overview' in content:
+        return content['overview']['scored']
+    hours = [found['hours'] for found in content.get('methods', {}).values() if 'hours' in found]
+    return max(hours, default=content.get('hours', 0.0))
+
+
+def goal_table(rows, with_runs=True):
+    """Return the Table of GoalRows; with_runs: for the page above the folders of the runs."""
     said = {True: 'yes', False: '**no**', None: '-'}
-    return Table(('goal (issue 4)', 'wanted', 'measured', 'reached'),
-                 tuple((what, wanted, measured, said[reached])
-                       for what, wanted, measured, reached in rows))
+    head = ('goal (issue 4)', 'wanted', 'measured', 'reached')
+    body = [(row.goal, row.wanted, row.measured, said[row.reached]) for row in rows]
+    if not with_runs:
+        return Table(head, tuple(body))
+    links = [', '.join(f'[{name}]({name}/README.md)' for name in row.runs) or '-' for row in rows]
+    return Table((*head, 'run'), tuple((*row, link) for row, link in zip(body, links)))

@@ -6,13 +6,13 @@ import shutil
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..identification import identify, prepare
+from ..identification import identify, nominal_model, prepare
 from ..joint_stream import JointStream, motion_of, motion_samples
 from ..load import LoadParameters
 from ..recording import read_recording
 from ..robot import load_robot
 from ..shared_files import find_shared
-from .contestants import (chosen_methods, Contestant, our_contestants, TEXTBOOK,
+from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, TEXTBOOK,
                           TEXTBOOK_CAREFUL)
 from .cases import motion_start
 from .real_robots import ARMS, write_robot_file
@@ -54,6 +54,8 @@ def measure_set(name, data, folder, methods):
     evidence = [_evidence(robot, recording) for recording in recordings]
     models = {'ours': identify(robot, evidence),
               'textbook': identify(robot, evidence, COULOMB_VISCOUS)}
+    # How joints are to be weighed, only what the identified model leaves can tell.
+    models['nominal'] = nominal_model(robot, models['ours'].residuals.intensity)
     held = (recordings[0].load or LoadParameters()).mass
     runs = [(run, held) for run in test]
     runs += [(data / name / run, mass) for run, mass in LOADED.get(name, {}).items()]
@@ -68,10 +70,11 @@ def _evidence(robot, recording):
 
 
 def _racing(models, methods):
-    textbook = models['textbook']
+    textbook, nominal = models['textbook'], models['nominal']
     return {**our_contestants(models['ours'], chosen_methods(methods), None),
             TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, False)),
-            TEXTBOOK_CAREFUL: Contestant(textbook, lambda f: LeastSquares(textbook, True))}
+            TEXTBOOK_CAREFUL: Contestant(textbook, lambda f: LeastSquares(textbook, True)),
+            NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, False))}
 
 
 def _beliefs(robot, models, recording, methods):

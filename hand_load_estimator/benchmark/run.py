@@ -8,6 +8,7 @@ import subprocess
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
+from ..estimators.registry import ON_DIFFERENCE
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -18,6 +19,7 @@ from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
 from .execute import measure_all, PROCESSES
 from .goals import goal_rows, goal_table
+from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
 from .other_pages import change_blocks, cost_blocks, real_blocks, soak_blocks
@@ -72,17 +74,32 @@ def commit_now():
     return f'{commit or "unknown"} with changes {digest}' if changes else commit or 'unknown'
 
 
+def _artefact(robot_path, options):
+    """Return a digest of the default method's artefact for a robot file, or None without one."""
+    folder = options.learned or shipped_artefact(load_robot(robot_path))
+    if not folder:
+        return None
+    digest = hashlib.sha256()
+    for name in (WEIGHTS, CARD):
+        digest.update((Path(folder) / name).read_bytes())
+    return digest.hexdigest()
+
+
 def _key(suite, robot_path, options):
     """Return what results depend on: suite, robot file, artefact, choices, the code's commit."""
-    artefact = options.learned or shipped_artefact(load_robot(robot_path))
-    digest = hashlib.sha256()
-    for name in (WEIGHTS, CARD) if artefact else ():
-        digest.update((Path(artefact) / name).read_bytes())
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
-            'artefact': digest.hexdigest() if artefact else None, 'commit': commit_now(),
+            'artefact': _artefact(robot_path, options), 'commit': commit_now(),
             'methods': list(chosen_methods(options.methods)), 'rivals': list(options.rivals),
             'cases': options.cases, 'hours': options.hours, 'data': options.data,
             'development': options.development}
+
+
+def _run(options, command, commit):
+    """Return what joins runs to one table: the robot asked for, also beside other arms."""
+    robot_path = find_shared(options.robot, 'robots')
+    return {'command': command, 'commit': commit,
+            'robot': hashlib.sha256(Path(robot_path).read_bytes()).hexdigest(),
+            'artefact': _artefact(robot_path, options), 'development': options.development}
 
 
 def same_run(raw, key):
@@ -151,16 +168,18 @@ def _some(found, raw):
 def _other(name, robot_path, options, raw, write):
     """Return content and blocks of a suite that is no accuracy suite."""
     run = (options.workers, options.backend, write)
+    # Without a torque difference learned for the model of each plant or recording.
+    left_out = [m for m in chosen_methods(options.methods) if m in ON_DIFFERENCE]
     if name == 'changes':
         jobs = change_jobs(str(robot_path), options.cases or 40,
                            10.0 if options.hours is None else options.hours, options.learned,
                            options.methods, options.development)
-        content = change_scores(_some(measure_all(measure_job, jobs, raw, *run), raw))
-        return content, change_blocks
+        found = _some(measure_all(measure_job, jobs, raw, *run), raw)
+        return {**change_scores(found), 'left_out': left_out}, change_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods)
-        content = real_scores(_some(measure_all(measure_set, jobs, raw, *run), raw))
-        return content, real_blocks
+        found = _some(measure_all(measure_set, jobs, raw, *run), raw)
+        return {**real_scores(found), 'left_out': left_out}, real_blocks
     if name == 'cost':
         jobs = cost_jobs(options.robot, options.learned, options.methods)
         content = cost_scores(_some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw))
@@ -171,8 +190,10 @@ def _other(name, robot_path, options, raw, write):
     return content, soak_blocks
 
 
-def _measure(name, options, folder, command, write):
-    """Measure one suite into `folder`; return (content, Markdown)."""
+def _measure(name, options, out, command, write):
+    """Measure one suite into a folder of its own below `out`; return the Markdown of its page."""
+    folder = out / run_name(name, options.cases, options.hours,
+                            (*(options.methods or ()), *options.rivals))
     raw = folder / 'raw'
     raw.mkdir(parents=True, exist_ok=True)
     robot_path = _robot_path(name, options, folder)
@@ -180,49 +201,46 @@ def _measure(name, options, folder, command, write):
     same_run(raw, key)
     measured = _other if name in OTHERS else _accuracy
     content, blocks = measured(name, robot_path, options, raw, write)
-    content = {'schema': SCHEMA, 'suite': name, **content}
-    (folder / 'scores.json').write_text(json.dumps(content, indent=1) + '\n', encoding='utf-8')
+    content = {'schema': SCHEMA, 'suite': name, 'run': _run(options, command, key['commit']),
+               **content}
+    write_scores(folder, content)
     page = blocks(command, key['commit']) if measured is _accuracy else [
         *blocks(content), Text(f'Command: `{command}`, commit {key["commit"]}.')]
-    goals = [row for row in goal_rows({name: content}) if row[3] is not None]
+    goals = [row for row in goal_rows([(folder.name, content)]) if row.reached is not None]
     if goals:
-        page = [*page, Heading('Goals of issue 4 that this suite measures'), goal_table(goals)]
-    return content, write_pages(folder, page)
+        page = [*page, Heading('Goals of issue 4 that this suite measures'),
+                goal_table(goals, with_runs=False)]
+    return write_pages(folder, page)
 
 
 def run_suites(suites, options, folder, command, write=print):
     """
-    Measure suites into `folder`; return the Markdown of the page.
+    Measure suites below `folder`; return the Markdown of the page.
 
-    One suite: raw results, scores.json, README.md, index.html and pictures there. Several: each
-    in a folder of its name, and there the table of goals over all of them.
+    Each has a folder there, named by the suite and what was chosen, with raw results,
+    scores.json, README.md, index.html and pictures. The folder itself has the table of goals over
+    all runs that are there, of this call or of others. The page is the suite's where it is one.
     """
     names, out = suite_names(suites), Path(folder)
-    options = _checked(options)
-    if len(names) == 1:
-        return _measure(names[0], options, out, command, write)[1]
-    contents, failed = {}, {}
+    options = _checked(options, out)
+    pages, failed = [], {}
     for name in names:
         write(f'suite {name}')
         try:
-            contents[name], _ = _measure(name, options, out / name, command, write)
+            pages.append(_measure(name, options, out, command, write))
         except ConfigurationError as error:
+            if len(names) == 1:
+                raise
             failed[name] = str(error)
             write(failed[name])
-    rows = goal_rows(contents)
-    (out / 'scores.json').write_text(json.dumps(
-        {'schema': SCHEMA, 'suites': list(contents), 'failed': failed,
-         'goals': [dict(zip(('goal', 'wanted', 'measured', 'reached'), row)) for row in rows]},
-        indent=1) + '\n', encoding='utf-8')
-    parts = [f'[{name}]({name}/README.md)' for name in contents]
-    return write_pages(out, [
-        Heading('Benchmark', 1), Text(f'Command: `{command}`, commit {commit_now()}.'),
-        goal_table(rows), Text('Suites: ' + ', '.join(parts) + '.'),
-        *(Text(f'**Not measured: {name}.** {why}') for name, why in failed.items())])
+        # A day's suites: what is there so far can be read, and a kill loses none of it.
+        index = write_index(out, SCHEMA, failed)
+    return pages[0] if len(names) == 1 else index
 
 
-def _checked(options):
+def _checked(options, out):
     """Return the options, refused here rather than after hours where they are wrong."""
     chosen_methods(options.methods)
     chosen_rivals(options.rivals)
+    refuse_mixture(out, _run(options, '', ''))
     return options

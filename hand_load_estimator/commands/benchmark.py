@@ -5,6 +5,7 @@ from ..errors import ConfigurationError
 EXAMPLE = """
 hand_load benchmark --out out/benchmark
 hand_load benchmark --out out/all --suite all --rivals mujoco.sysid,figaroh
+hand_load benchmark --out out/all --suite base --cases 2000 --methods lstm
 hand_load benchmark --out out/look --suite cold,warm --development --cases 4 --methods bayes
 """
 
@@ -16,7 +17,9 @@ def _names(text):
 def add_arguments(parser):
     """Declare the arguments."""
     parser.add_argument('--out', required=True, metavar='DIR',
-                        help='folder of the results; what is there already is kept')
+                        help='folder of the results, one below it for every suite and choice, '
+                             'and the table of goals over all that are there; what is there '
+                             'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
                              'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
@@ -25,7 +28,8 @@ def add_arguments(parser):
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
     parser.add_argument('--learned', default=None, metavar='DIR',
-                        help='learned artefact (default: the shipped one); not for effects')
+                        help='learned artefact, or the name of a shipped one (default: the one '
+                             'shipped for the robot); not for effects')
     parser.add_argument('--cases', default=None, type=int, metavar='N',
                         help='cases per suite (default: 200 of base, 40 of others); from more '
                              'than its own on, a suite takes 50 plants')
@@ -51,6 +55,7 @@ def run(args):
     """Measure and print the page."""
     from ..benchmark.effect_run import run_effects, SUITE
     from ..benchmark.run import Options, run_suites
+    from ..shared_files import find_shared
     given = ' '.join(f'--{name.replace("_", "-")}' if value is True else
                      f'--{name} {",".join(value) if isinstance(value, tuple) else value}'
                      for name, value in vars(args).items()
@@ -68,7 +73,8 @@ def run(args):
         _only_of_others(args)
         print(run_effects(args.robot, args.out, command, write, args.workers, args.development))
         return 0
-    options = Options(args.robot, args.learned, args.cases, args.methods, args.rivals, args.hours,
+    learned = args.learned and str(find_shared(args.learned, 'learned'))
+    options = Options(args.robot, learned, args.cases, args.methods, args.rivals, args.hours,
                       args.data, args.development, args.workers, args.backend)
     print(run_suites(args.suite, options, args.out, command, write))
     return 0

@@ -20,8 +20,8 @@ def add_arguments(parser):
                         help=f'{", ".join(METHODS)} (default: %(default)s; without an artefact '
                              'gp_... ends with a message, the others become bayes)')
     parser.add_argument('--learned', default=None, metavar='DIR',
-                        help='learned artefact (default: the shipped one of the robot; for gp_... '
-                        'of the model)')
+                        help='learned artefact, or the name of a shipped one (default: the one '
+                             'shipped for the robot; for gp_... for the model)')
     parser.add_argument('--tool', default=None, metavar='T.yaml',
                         help='load file of a known tool, which may state `std`; the answer is '
                              'what is held beside it (default: none)')
@@ -33,7 +33,9 @@ def run(args):
     from ..estimation import estimate_recording
     from ..estimators.build import build_pipeline
     from ..recording import read_recording
-    pipeline = build_pipeline(args.model, args.method, args.learned, tool_path=args.tool)
+    from ..shared_files import find_shared
+    learned = args.learned and str(find_shared(args.learned, 'learned'))
+    pipeline = build_pipeline(args.model, args.method, learned, tool_path=args.tool)
     # The answer must not know the load: load.yaml is not read.
     recording = read_recording(args.recording, with_load=False, **topics(args))
     result = estimate_recording(pipeline, recording)

@@ -62,12 +62,18 @@ def _factor(ratio, level, at):
 
 
 def held_out_scores(network, factors, paths, prior):
-    """Return coverage and RMSE per parameter, with and without the network, for the card."""
+    """
+    Return coverage per parameter and mass RMSE, with and without the network, for the card.
+
+    Coverage of arms without and with an undeclared effect, left out where there is no such arm.
+    """
     ratios, errors, levels, severe = _errors(network, paths, prior)
     wide = np.stack([np.interp(levels[..., k], LEVELS, factors[k]) for k in range(10)], axis=-1)
     inside, known = np.abs(ratios) < NORMAL_95 * wide, np.isfinite(ratios)
     scores = {}
     for name, cases in (('', ~severe), ('_with_undeclared_effect', severe)):
+        if not cases.any():
+            continue
         coverage = (inside & known)[cases].sum(axis=(0, 1)) / known[cases].sum(axis=(0, 1))
         scores[f'coverage_of_95{name}'] = dict(zip(MESSAGE_ORDER, _rounded(coverage)))
     plain = _errors(None, paths, prior)[1]

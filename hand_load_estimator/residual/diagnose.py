@@ -13,7 +13,7 @@ from .contact import contact
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
 from .find import find_residual, noise_floor
-from .findings import findings_of
+from .findings import findings_of, refuted
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
@@ -62,6 +62,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     findings = findings_of(model, better, residual, trace, odd) \
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
+    findings, doubts = refuted(findings, model.robot.joints, before, after)
     cannot = [*sentences, *still.values(), *limited,
               *_nearly(model.robot, trace, findings, _structured(after, floor))]
     correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
@@ -69,7 +70,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=names,
         tested_on=tested_on, seconds=time.monotonic() - began,
-        remains=_remains(model.robot, after, floor)), correction), better
+        remains=doubts + _remains(model.robot, after, floor)), correction), better
 
 
 def _residual(model, evidence):

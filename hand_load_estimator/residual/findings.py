@@ -13,6 +13,8 @@ from .trace import significant
 
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
+# A model is worse at a joint where the error of recordings kept for the test grows by this factor.
+_WORSE = 1.02
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
 
 
@@ -48,6 +50,28 @@ def _finding(model, better, residual, trace, step, again, others, odd):
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
         (chosen.variable,) if chosen.name == UNKNOWN else ())
+
+
+def refuted(findings, joints, before, after):
+    """
+    Return (Findings, sentences): suspected is what made its joint worse where nothing was fitted.
+
+    joints: names (n,); before, after (n,) [Nm]: errors on recordings kept for the test. The
+    better model keeps the effect: recordings that chose would be none to test on any more.
+    """
+    worse = {name: (old, new) for name, old, new in zip(joints, before, after)
+             if new > _WORSE * old}
+    kept, told = [], []
+    for finding in findings:
+        name = joints[int(np.argmax(finding.explained))]
+        if finding.verdict == CONFIRMED and not finding.recording and name in worse \
+                and finding.name != UNKNOWN:
+            old, new = worse[name]
+            finding = replace(finding, verdict=SUSPECTED)
+            told.append(f'{name}: {finding.name} is only suspected, because the error on what was '
+                        f'kept for the test rose from {old:.3g} to {new:.3g} Nm')
+        kept.append(finding)
+    return tuple(kept), tuple(told)
 
 
 def _evidence(residual, trace, step, again, torque):
