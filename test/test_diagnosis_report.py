@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
+from hand_load_estimator.residual.confusable import NO_MOTION
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, SUSPECTED, UNKNOWN, Diagnosis,
                                                     Evidence, FineTuning, Finding, LoadError,
                                                     Picture)
@@ -234,6 +235,37 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
     'slow change over time', 'monday_warm', '71 % at elbow_joint'])
 def test_page_says(read, words):
     assert words in read.words()
+
+
+def left_over(parameters):
+    """Return structure that follows time only, with a picture and no fit."""
+    time = np.linspace(0.0, 9.0, 200)
+    zero = np.zeros(200)
+    return Finding(
+        UNKNOWN, ('wrist_2_joint',), parameters, np.zeros(6),
+        Evidence(np.nan, np.nan, np.nan, 18, 143, 0.4), (), 'no effect of the vocabulary fits',
+        False, SUSPECTED, (Picture('wrist_2_joint', 'time [s]', time, np.sin(9.0 * time), zero,
+                                   zero, zero, zero),), ('time',))
+
+
+def test_what_was_not_fitted_claims_no_fit_and_no_motion():
+    finding = left_over({})
+    page = diagnosis_page.page(dataclasses.replace(found(), findings=(finding,)))
+    words = Reader(page).words()
+    assert 'Nothing was fitted: this is what is left after 143 hypotheses tried.' in words
+    assert 'not known nats' not in words and 'A motion that would' not in words
+    assert 'It follows none of position' in words and 'rings' not in words
+    assert 'No effect of the vocabulary fits.' in words
+    ringing = left_over({'frequency': (1.43, np.nan, 'Hz')})
+    assert 'it rings with one frequency.' in Reader(diagnosis_page.page(
+        dataclasses.replace(found(), findings=(ringing,)))).words()
+
+
+def test_where_no_motion_separates_none_is_offered():
+    finding = dataclasses.replace(spring(), advice=f'{NO_MOTION} them')
+    words = Reader(diagnosis_page.page(dataclasses.replace(found(), findings=(finding,)))).words()
+    assert 'No motion of the arm in this mounting separates them.' in words
+    assert 'A motion that would' not in words
 
 
 def test_page_of_an_empty_diagnosis_reads_well():

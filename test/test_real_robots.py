@@ -135,11 +135,12 @@ def test_a_standing_arm_cannot_be_cut():
         cut(samples_moving_until(0.0), 0.7)
 
 
-def report_of(effects):
+def report_of(effects, cannot_tell=()):
     """Return what `hand_load diagnose` writes for two joints, as far as the table reads it."""
     return {'schema': 'hand_load/diagnosis/1', 'joints': ['lift', 'twist'],
             'before': {'torque_rmse': [412.345, None]}, 'after': {'torque_rmse': [0.12345, 2.0]},
-            'effects': effects}
+            'noise_floor': [0.1, None], 'unexplained': [0.344, None],
+            'cannot_tell': list(cannot_tell), 'effects': effects}
 
 
 def effect(name, joints, verdict='confirmed', alternatives=()):
@@ -151,18 +152,34 @@ def test_the_table_names_effects_at_their_joints():
         effect('gravity_spring', ['lift'], alternatives=['link_inertia']),
         effect('time_delay', ['lift', 'twist'], 'suspected')])}).splitlines()
     assert lines[:2] == list(HEAD)
-    assert lines[2] == ('| kr300 | lift | 412 -> 0.123 | `gravity_spring` or `link_inertia` '
-                        '(confirmed), `time_delay` (suspected) |')
-    assert lines[3] == '| kr300 | twist | - -> 2 | `time_delay` (suspected) |'
+    assert lines[2] == ('| kr300 | lift | 412 -> 0.123 | 0.1 | `gravity_spring` or `link_inertia` '
+                        '(confirmed), `time_delay` (suspected) | 34 % structure |')
+    assert lines[3] == '| kr300 | twist | - -> 2 | - | `time_delay` (suspected) | not known |'
+    assert len(lines) == 4
 
 
 def test_a_joint_without_effects_says_none():
-    assert table({'arm': report_of([])}).splitlines()[2].endswith('| none |')
+    assert table({'arm': report_of([])}).splitlines()[2].endswith('| none | 34 % structure |')
+    quiet = {**report_of([]), 'unexplained': [0.01, 0.0]}
+    assert table({'arm': quiet}).splitlines()[2].endswith('| none | noise |')
+
+
+def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():
+    lines = table({'arm': report_of([], ['cannot tell friction of twist because it never moves',
+                                         'cannot tell effects of temperature'])}).splitlines()
+    assert lines[3].endswith('| not known; cannot tell friction of twist because it never moves |')
+    assert lines[2].endswith('| 34 % structure |')
+    assert lines[-1] == '- arm: cannot tell effects of temperature'
+
+
+def test_loaded_runs_have_a_table_of_their_own():
+    lines = table({'arm': report_of([])}, {'arm': [('run', 2.6, 2.517, 2.532)]}).splitlines()
+    assert lines[-1] == '| arm | run | 2.6 | 2.517 -> 2.532 | -83 -> -68 |'
 
 
 def test_a_sentence_cannot_break_the_table():
     row = table({'arm': 'a|b\nand more'}).splitlines()[2]
-    assert row == '| arm | all | - | failed: a/b and more |'
+    assert row == '| arm | all | - | - | failed: a/b and more | - |'
 
 
 @needs_data
@@ -181,7 +198,7 @@ def test_a_set_that_fails_does_not_stop_the_others(tmp_path, monkeypatch, capsys
     monkeypatch.setattr(command, 'hand_load', fake)
     assert command.main(DATA, tmp_path, 'ur10', 'lwr4') == 1
     text = (tmp_path / 'table.md').read_text()
-    assert '| ur10 | all | - | failed: hand_load diagnose: no reason |' in text
+    assert '| ur10 | all | - | - | failed: hand_load diagnose: no reason | - |' in text
     assert '| lwr4 | lift |' in text
     assert capsys.readouterr().out.startswith('1 of 2: ur10 ')
     diagnose = next(a for a in asked if a[0] == 'diagnose' and 'lwr4' in str(a[-1]))

@@ -23,12 +23,25 @@ from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.findings import refuted, separating_motion
 from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
-                                                 warmed_joints)
+                                                 too_little_gained, warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
 from hand_load_estimator.residual.trace import Candidate
 from hand_load_estimator.residual.unknown import rhythm
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import effect_slices
+
+
+# What is nearly named.
+
+def test_what_nearly_gains_enough_is_told_where_structure_is_left():
+    robot = four_axes()
+    nearly = [SimpleNamespace(name=name, joints=[j], gain=gain) for name, j, gain in (
+        ('gravity_spring', 1, 21.0), ('cable_drag', 1, 20.0), ('backlash', 2, 15.0),
+        ('time_delay', 3, 30.0))]
+    (said,) = too_little_gained(robot, nearly, 32.0, (0, 1, 2))
+    assert said == (f'cannot tell whether {robot.joints[1]} has gravity_spring because its gain '
+                    'of 21 nats is less than the 32 needed; record more motion')
+    assert not too_little_gained(robot, nearly, 32.0, ())
 
 
 # Ripple.

@@ -1,19 +1,33 @@
 """The result page of the effects suite: Markdown tables."""
 
 from .document import markdown_table
+from .effect_goals import beyond, MASS_GOAL, TORQUE_GOAL, verdicts
 from .effect_outcome import RIGHT
 from .effect_recordings import DIAGNOSED, LOADED
-from .effect_scores import (confusions, effect_rows, measured, pair_rows, totals, tried, verdicts)
+from .effect_scores import (confusions, effect_rows, measured, not_tried, pair_rows, strictness,
+                            totals, tried)
 
 _NONE = '-'
+_CASE = ('effect', 'strength', 'joint', 'plant', 'outcome')
+_HOW_JUDGED = (
+    'Right means found by name at its joint, or, where recordings may not tell effects apart, '
+    'both named with the motion that would separate them. The first row also counts two kinds of '
+    'case that section 4 of the design does not list, the second does not: '
+    '`torque_offset` beside `friction_asymmetry`, which differ only at standstill, where '
+    'presliding hides either; and effects that ask for the same torque in every motion, such as '
+    'the inertia of rotor and first link of an upright arm, where the report says that no motion '
+    'separates them. Outside the vocabulary, `unknown` counts only with a variable that it '
+    'depends on: for a swinging load acceleration, or time with the frequency at which the '
+    'residual rings. `time` alone is what a report says when nothing else fits, and is not '
+    'counted.')
 
 
-def effects_markdown(results, command, commit):
-    """Return the page of all results as text."""
+def effects_markdown(results, command, commit, cases=()):
+    """Return the page of results as text; cases: the EffectCases that belong to a whole run."""
     total, ran = totals(results), measured(results)
     seconds = sum(part[2] for part in DIAGNOSED)
     parts = [
-        '# Undeclared effects',
+        '# Undeclared effects', *_broken_off(results, cases),
         f'{len(ran)} diagnoses of {len({r["plant"] for r in ran})} plants. Each plant has a model '
         'from recordings of it without the effect; then the effect is hidden in it, the tool told '
         f'nothing, and {seconds:.0f} s of no-load recordings are diagnosed. Errors are on other '
@@ -25,14 +39,57 @@ def effects_markdown(results, command, commit):
         markdown_table(['goal', 'wanted', 'measured', 'reached'], [
             [what, goal, value, 'yes' if good else '**no**']
             for what, goal, value, good in verdicts(total)]),
+        _HOW_JUDGED, *_strictness(results), *_beyond(total),
         '## One effect', _effects_table(results),
         f'Where the right effect was confirmed, {total["false_beside"]} others were confirmed '
-        f'beside it; {total["both_named"]} counted as right by naming both of an inseparable '
-        'pair with the motion that separates them (strengths 2 and 5).',
+        f'beside it; {total["both_named"]} counted as right by naming both (strengths 2 and 5).',
         '## Figures of the effects found', _parameter_table(results),
         '## Confirmed in place of the right one', _confusion_table(results),
         '## Two effects', _pair_table(results), *_left_out(results)]
     return '\n\n'.join(parts) + '\n'
+
+
+def _broken_off(results, cases):
+    """Return what is missing of a run that did not get to its end."""
+    if len(results) >= len(cases):
+        return []
+    missing = [f'`{name}` ({", ".join(f"{s:g}" for s in strengths)})'
+               for name, strengths in not_tried(results, cases)]
+    without = (f'No case yet, of strength 2 and above: {", ".join(missing)}.' if missing else
+               'Every effect has a case of strength 2 and of 5.')
+    return [f'**Broken off: {len(results)} of {len(cases)} cases.** {without}']
+
+
+def _strictness(results):
+    pairs = [f'`{hidden}` where `{named}` was confirmed: {count}'
+             for (hidden, named), count in strictness(results).items()]
+    return [f'Right in the first row only: {"; ".join(pairs)}.'] if pairs else []
+
+
+def _beyond(total):
+    """Return the cases whose torque or mass error stays beyond its goal."""
+    out = []
+    torque = beyond(total, 'torque', TORQUE_GOAL)
+    if torque:
+        out += [f'## Torque error beyond {TORQUE_GOAL:g} x of no effect', markdown_table(
+            [*_CASE, 'before, x', 'after, x'],
+            [[*_case(c), f'{c["torque"]["before"]:.3f}', f'{c["torque"]["after"]:.3f}']
+             for c in torque])]
+    mass = beyond(total, 'mass', MASS_GOAL)
+    if mass:
+        out += [f'## Mass error at the end beyond {MASS_GOAL:g} x of no effect',
+                f'RMSE of the {LOADED} loaded runs of a case: so few that chance alone moves the '
+                'ratio.',
+                markdown_table([*_CASE, 'before [g]', 'after [g]', 'no effect [g]', 'after, x'], [
+                    [*_case(c), *(f'{1e3 * c["mass_rmse"][when]:.1f}'
+                                  for when in ('before', 'after', 'without')),
+                     f'{c["mass"]["after"]:.2f}'] for c in mass])]
+    return out
+
+
+def _case(case):
+    return [f'`{case["name"]}`', f'{case["strength"]:g}', ', '.join(case['joints']) or 'arm',
+            str(case['plant']), case['outcome']]
 
 
 def _counts(counts):
@@ -73,8 +130,8 @@ def _parameter_table(results):
 
 
 def _confusion_table(results):
-    return markdown_table(['hidden', 'confirmed'], [
-        [f'`{name}`', _counts(counts)] for name, counts in confusions(results).items()])
+    rows = [[f'`{name}`', _counts(counts)] for name, counts in confusions(results).items()]
+    return markdown_table(['hidden', 'confirmed'], rows) if rows else 'None.'
 
 
 def _pair_table(results):

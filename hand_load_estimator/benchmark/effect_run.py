@@ -41,7 +41,8 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
     """
     Measure the suite into `folder`: raw results per case, scores.json, README.md, index.html.
 
-    development: the cases of the seeds for looking and choosing. Returns the page.
+    development: the cases of the seeds for looking and choosing. Returns the page. A run broken
+    off from the keyboard writes the pages of what it has.
     """
     robot_path = find_shared(robot_name, 'robots')
     out = Path(folder)
@@ -50,10 +51,25 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
     key = {'suite': SUITE, 'robot': Path(robot_path).read_text('utf-8'), 'commit': commit_now(),
            'development': development}
     same_run(raw, key)
-    results = run_cases(suite_cases(load_robot(robot_path), development), robot_path, raw,
-                        workers, write)
+    cases = suite_cases(load_robot(robot_path), development)
+    try:
+        results = run_cases(cases, robot_path, raw, workers, write)
+    except KeyboardInterrupt:
+        write_results(out, there(cases, raw), cases, command, key['commit'])
+        raise
+    return write_results(out, results, cases, command, key['commit'])
+
+
+def there(cases, raw):
+    """Return the results that a run broken off has left in `raw`, in the cases' order."""
+    files = [Path(raw) / f'{case.label}.json' for case in cases]
+    return [json.loads(file.read_text('utf-8')) for file in files if file.exists()]
+
+
+def write_results(out, results, cases, command, commit):
+    """Write scores.json and the pages of results of all or some of the cases; return the page."""
     (out / 'scores.json').write_text(json.dumps(
         {'schema': SCHEMA, 'suite': SUITE, 'totals': totals(results),
          'effects': effect_rows(results), 'pairs': pair_rows(results)}, indent=1) + '\n',
         encoding='utf-8')
-    return write_pages(out, blocks_of(effects_markdown(results, command, key['commit'])))
+    return write_pages(out, blocks_of(effects_markdown(results, command, commit, cases)))

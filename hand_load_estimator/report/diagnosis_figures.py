@@ -20,18 +20,26 @@ def _limits(picture):
 def _draw_effect(figure, picture):
     axes = figure.subplots()
     axes.axhline(0.0, color='0.6', linewidth=0.8)
-    axes.fill_between(picture.x, picture.low, picture.high, color=_AFTER, alpha=0.25,
-                      linewidth=0.0)
-    axes.plot(picture.x, picture.curve, color=_AFTER, linewidth=2.0,
-              label='fitted effect with 95 % band')
-    axes.errorbar(picture.x, picture.mean, 2.0 * np.asarray(picture.std), fmt='o', color='0.15',
-                  markersize=3.0, elinewidth=0.9, label='measured, ±2 standard errors')
+    if np.any(picture.curve):
+        _draw_fit(axes, picture)
+    else:
+        axes.plot(picture.x, picture.mean, '.', color='0.15', markersize=3.0,
+                  label='what is left; nothing was fitted')
     axes.set_ylim(*_limits(picture))
     axes.set_title(picture.joint, parse_math=False, fontsize='medium')
     axes.set_xlabel(picture.variable, parse_math=False)
     axes.set_ylabel('residual torque [Nm]')
     axes.locator_params(axis='x', nbins=6)
     figure.legend(loc='outside lower center', frameon=False, fontsize='small')
+
+
+def _draw_fit(axes, picture):
+    axes.fill_between(picture.x, picture.low, picture.high, color=_AFTER, alpha=0.25,
+                      linewidth=0.0)
+    axes.plot(picture.x, picture.curve, color=_AFTER, linewidth=2.0,
+              label='fitted effect with 95 % band')
+    axes.errorbar(picture.x, picture.mean, 2.0 * np.asarray(picture.std), fmt='o', color='0.15',
+                  markersize=3.0, elinewidth=0.9, label='measured, ±2 standard errors')
 
 
 def effect_svg(picture):

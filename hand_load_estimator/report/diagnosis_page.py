@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import __version__
 from ..effects import EFFECTS
+from ..residual.confusable import NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .diagnosis_figures import effect_svg, errors_svg
 from .page_parts import html_image as _image, html_table as _table, STYLE
@@ -224,8 +225,18 @@ def _physics(finding):
         text += (f' It happened in <strong>{escape(finding.recording)}</strong>; times count from '
                  'its first sample. Those samples are left out of everything else in this report.')
     if finding.variables:
-        text += f' It depends on {escape(_list(finding.variables))}.'
+        text += f' {_dependence(finding)}'
     return f'<p>{text}</p>' if text else ''
+
+
+def _dependence(finding):
+    """Return the variables of a finding as a sentence; time alone is the lack of any other."""
+    if finding.variables != ('time',):
+        return f'It depends on {escape(_list(finding.variables))}.'
+    text = ('It follows none of position, velocity, acceleration and gear torque of its joints, '
+            'nor a neighbour\'s velocity, closely')
+    return f'{text}; it rings with one frequency.' if 'frequency' in finding.parameters else \
+        f'{text}.'
 
 
 def _parameters(finding):
@@ -256,6 +267,10 @@ def _gain(finding):
 
 def _evidence(finding, joints):
     e = finding.evidence
+    if not math.isfinite(e.gain):
+        return '<h3>Evidence</h3>' + _list_of([
+            f'Nothing was fitted: this is what is left after {e.hypotheses} hypotheses tried.',
+            f'Its torque: {_figure(e.rms)} Nm RMS at the strongest joint.'])
     shares = [f'{_share(s)} at {_label(name)}' for name, s in zip(joints, finding.explained)
               if name in finding.joints]
     rival = 'No other explanation came close enough to be named.'
@@ -274,8 +289,17 @@ def _doubt(finding):
         return ''
     names = escape(_list(map(_name, finding.alternatives)))
     text = f'These recordings cannot tell it from <strong>{names}</strong>. ' if names else ''
-    advice = f'A motion that would: {escape(finding.advice)}' if finding.advice else ''
-    return f'<p class="note">{text}{advice}</p>'
+    return f'<p class="note">{text}{_advice(finding)}</p>'
+
+
+def _advice(finding):
+    """Return the advice as a sentence; that of `unknown` is one, others name a motion or none."""
+    if not finding.advice:
+        return ''
+    text = f'{escape(finding.advice.rstrip("."))}.'
+    if finding.name == UNKNOWN or finding.advice.startswith(NO_MOTION):
+        return _sentence(text)
+    return f'A motion that would: {text}'
 
 
 def _effect(number, finding, joints):

@@ -31,13 +31,14 @@ figure img { display: block; width: 100%; max-width: 28rem; height: auto }
 ul { padding-left: 1.2em } li { margin: .3em 0 }
 .quiet { color: #555; font-size: 1rem }
 a { color: #1f4f8a }
+@media (max-width: 30rem) { table { font-size: .95rem } th, td { padding: .35em .28em } }
 @media print {
   @page { margin: 16mm }
   body { font-size: 10.5pt; max-width: none; padding: 0 }
   table, .badge, .quiet { font-size: 10pt }
   a { color: inherit; text-decoration: none }
   .scroll { overflow: visible }
-  figure img { max-width: 125mm }
+  figure img { max-width: 100mm }
 }
 '''
 

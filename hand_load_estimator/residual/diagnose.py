@@ -15,7 +15,7 @@ from .disturbance_findings import disturbance_findings
 from .find import find_residual, noise_floor
 from .findings import findings_of, refuted
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
-                     warmed_joints)
+                     too_little_gained, warmed_joints)
 from .load_change import load_change
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
@@ -63,7 +63,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, model.robot.joints, before, after)
-    cannot = [*sentences, *still.values(), *limited]
+    cannot = [*sentences, *still.values(), *limited,
+              *_nearly(model.robot, trace, findings, _structured(after, floor))]
     correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
@@ -140,7 +141,19 @@ def _unexplained(after, floor):
     return np.clip(1.0 - (floor / np.maximum(after, 1e-12)) ** 2, 0.0, 1.0)
 
 
+def _structured(after, floor):
+    """Return the indices of joints of whose error the larger part is no noise."""
+    return [int(j) for j in np.flatnonzero(after > 1.5 * floor)]
+
+
+def _nearly(robot, trace, findings, joints):
+    """Return why nothing is named at joints with structure, where an effect nearly was."""
+    named = {name for finding in findings for name in finding.joints}
+    return too_little_gained(robot, trace.nearly, trace.needed,
+                             [j for j in joints if robot.joints[j] not in named])
+
+
 def _remains(robot, after, floor):
     return tuple(
         f'{robot.joints[j]}: {after[j]:.2f} Nm are left, {floor[j]:.2f} Nm of them noise'
-        for j in range(robot.n) if after[j] > 1.5 * floor[j])
+        for j in _structured(after, floor))

@@ -9,6 +9,7 @@ LEAST_WARMING = 3.0    # [K] between coldest and warmest
 SATURATED, HELD = 0.02, 0.9   # shares of the time at the largest effort
 STRANGE = 0.5          # share of a torque's variance that a model of this arm leaves at most
 LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
+NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
 
 def refuse_the_useless(model, evidence):
@@ -85,3 +86,16 @@ def saturated_rows(model, evidence):
                       for j in np.flatnonzero(bad)]
         rows.append(at & bad)
     return np.concatenate(rows), sentences
+
+
+def too_little_gained(robot, candidates, needed, joints):
+    """
+    Return a sentence for each of `joints` (indices) that an effect nearly explains.
+
+    candidates: effects in the order of their gains, each less than `needed` [nats].
+    """
+    best = {j: next((c for c in candidates if j in c.joints and c.gain >= NEARLY * needed), None)
+            for j in joints}
+    return [f'cannot tell whether {robot.joints[j]} has {c.name} because its gain of {c.gain:.0f} '
+            f'nats is less than the {needed:.0f} needed; record more motion'
+            for j, c in best.items() if c is not None]

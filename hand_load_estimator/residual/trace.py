@@ -108,7 +108,8 @@ class Trace:
 
     root: what Residual.blocks takes, for recordings that the model itself was made from;
     steps: what was found; drifted: changes of declared effects no larger than the model says to
-    expect; trials: hypotheses tried in the first round.
+    expect; trials: hypotheses tried in the first round; nearly: Candidates of the last round that
+    gained surely, but less than `needed` [nats].
     """
 
     def __init__(self, model, residual, warmed, root=None,
@@ -118,6 +119,7 @@ class Trace:
         self._root = root
         self.blocks = residual.blocks(root)
         self.steps, self.drifted, self.trials = [], [], 0
+        self.nearly, self.needed = [], 0.0
         self._declared = {(u.name, u.joint) for u in model.uses}
         self._scores, self._taken = {}, set()
 
@@ -180,8 +182,10 @@ class Trace:
     def _round(self):
         self._evaluate()
         # Every shape tried counts as a trial, not only every cause.
-        needed = LEAST_GAIN + np.log(self.trials)
+        self.needed = needed = LEAST_GAIN + np.log(self.trials)
         ranked = sorted(self._candidates(), key=lambda c: -c.gain)
+        self.nearly = [c for c in ranked if 0.0 < c.gain < needed and c.name != UNKNOWN
+                       and significant(c) and self.matters(c)]
         for best in ranked:
             if best.gain < needed:
                 return None

@@ -7,9 +7,13 @@ import subprocess
 import sys
 import time
 
+from hand_load_estimator.benchmark.real import LOADED
 from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
 from hand_load_estimator.benchmark.real_sets import SETS, stage
 from hand_load_estimator.errors import HandLoadError
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.recording import read_recording
+from hand_load_estimator.residual.load_error import estimate
 
 from .table import table
 
@@ -51,6 +55,19 @@ def diagnose_set(name, data, out):
     return json.loads((reports / 'report.json').read_text(encoding='utf-8'))
 
 
+def loads_of(name, data, out):
+    """
+    Return [(run, known mass, mass before, mass after)] [kg] of a set's loaded runs.
+
+    Not as `--test` of the diagnosis: a torque error needs the centre of mass too, which nobody
+    has written down.
+    """
+    models = [read_model(path) for path in (out / 'inputs' / name / 'base.yaml',
+                                            out / name / 'model.yaml')]
+    return [(run, mass, *(float(estimate(model, read_recording(data / name / run))[0])
+                          for model in models)) for run, mass in LOADED.get(name, {}).items()]
+
+
 def diagnose_sets(names, data, out):
     """Return {set: report, or why there is none}, with a line of progress for each."""
     results = {}
@@ -80,7 +97,8 @@ def main(data, out, *names):
         return 2
     results = diagnose_sets(names or tuple(SETS), data, out)
     out.mkdir(parents=True, exist_ok=True)
-    text = table(results)
+    text = table(results, {name: loads_of(name, data, out) for name, result in results.items()
+                           if name in LOADED and not isinstance(result, str)})
     (out / 'table.md').write_text(text, encoding='utf-8')
     print(text)
     return int(any(isinstance(result, str) for result in results.values()))

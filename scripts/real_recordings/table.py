@@ -1,6 +1,11 @@
 """The report.json files of all sets as one Markdown table."""
 
-HEAD = ('| set | joint | torque RMSE [Nm] | effects named |', '|---|---|---|---|')
+HEAD = ('| set | joint | torque RMSE [Nm] | noise [Nm] | effects named | left, and what the '
+        'recordings cannot tell |', '|---|---|---|---|---|---|')
+LOADED_HEAD = ('| set | loaded run | known mass [kg] | estimated before -> after [kg] | '
+               'error [g] |', '|---|---|---|---|---|')
+# Structure below this share of what is left is told as noise, as in the report.
+_WEIGHTY = 0.05
 
 
 def _number(value):
@@ -20,23 +25,66 @@ def _named(effect):
 def rows_of(name, report):
     """Return a set's table rows; report: content of its report.json (DESIGN section 4)."""
     rows = []
-    for joint, before, after in zip(report['joints'], report['before']['torque_rmse'],
-                                    report['after']['torque_rmse']):
+    for joint, before, after, noise, share in zip(
+            report['joints'], report['before']['torque_rmse'], report['after']['torque_rmse'],
+            report['noise_floor'], report['unexplained']):
         effects = [_named(effect) for effect in report['effects'] if joint in effect['joints']]
         rows.append(f'| {name} | {joint} | {_number(before)} -> {_number(after)} | '
-                    f'{", ".join(effects) or "none"} |')
+                    f'{_number(noise)} | {", ".join(effects) or "none"} | '
+                    f'{_left(joint, share, report)} |')
     return rows
+
+
+def _left(joint, share, report):
+    """Return what is left of a joint, and what the report cannot tell of it."""
+    if share is None:
+        left = ['not known']
+    else:
+        left = [f'{100.0 * share:.0f} % structure' if share >= _WEIGHTY else 'noise']
+    others = [name for name in report['joints'] if name != joint]
+    # A sentence without a joint's name speaks of them all: it stands below the table.
+    left += [_cell(sentence) for sentence in report['cannot_tell']
+             if joint in sentence and not any(name in sentence for name in others)]
+    return '; '.join(left)
+
+
+def of_all_joints(results):
+    """Return the lines of what recordings cannot tell of any joint, sets with one reason once."""
+    sets = {}
+    for name, report in results.items():
+        for sentence in () if isinstance(report, str) else report['cannot_tell']:
+            if not any(joint in sentence for joint in report['joints']):
+                sets.setdefault(_cell(sentence), []).append(name)
+    return [f'- {", ".join(names)}: {sentence}' for sentence, names in sets.items()]
+
+
+def loaded_rows(name, loads):
+    """Return rows of loaded runs; loads: [(run, known mass, before, after)] [kg]."""
+    return [f'| {name} | {run} | {mass:g} | {before:.3f} -> {after:.3f} | '
+            f'{1e3 * (before - mass):.0f} -> {1e3 * (after - mass):.0f} |'
+            for run, mass, before, after in loads]
 
 
 def failed_row(name, sentence):
     """Return the row of a set that has no report, with the sentence that says why."""
-    return f'| {name} | all | - | failed: {_cell(sentence)} |'
+    return f'| {name} | all | - | - | failed: {_cell(sentence)} | - |'
 
 
-def table(results):
-    """Return the Markdown of {set: report, or the sentence of a set that failed}."""
-    lines = list(HEAD)
+def table(results, loads=None):
+    """
+    Return the Markdown of {set: report, or the sentence of a set that failed}.
+
+    loads: {set: [(run, known mass, mass before, mass after)]} [kg].
+    """
+    lines, cannot, loaded = list(HEAD), of_all_joints(results), []
     for name, result in results.items():
-        lines += ([failed_row(name, result)] if isinstance(result, str)
-                  else rows_of(name, result))
+        if isinstance(result, str):
+            lines.append(failed_row(name, result))
+            continue
+        lines += rows_of(name, result)
+        loaded += loaded_rows(name, (loads or {}).get(name, ()))
+    if cannot:
+        lines += ['', 'Not to be told of any joint:', '', *cannot]
+    if loaded:
+        lines += ['', *LOADED_HEAD, *loaded]
     return '\n'.join(lines) + '\n'
