@@ -137,6 +137,8 @@ def test_what_no_model_knows_must_be_unknown_with_its_variables(name, found, out
 def test_a_contact_must_not_become_an_effect_of_the_model(found, outcome):
     (effect,), _ = judge(result([('external_contact', ())], found))
     assert effect['outcome'] == outcome
+    (effect,), _ = judge({**result([('external_contact', ())], []), 'failed': 'refused'})
+    assert effect['outcome'] == 'missed'
 
 
 # Scores.

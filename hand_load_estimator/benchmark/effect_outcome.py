@@ -40,7 +40,9 @@ def judge(result, strictly=False):
     false = [f['name'] for k, f in enumerate(findings)
              if f['verdict'] == CONFIRMED and k not in claimed]
     outcomes = [{'name': effect['name'], 'strength': effect['strength'],
-                 'outcome': _outcome(effect, findings, result['kind'], false, strictly),
+                 # A case that failed kept nothing out of the model: it said nothing.
+                 'outcome': MISSED if 'failed' in result
+                 else _outcome(effect, findings, result['kind'], false, strictly),
                  'joint_right': _joint_right(effect, findings)} for effect in result['effects']]
     return outcomes, false
 
