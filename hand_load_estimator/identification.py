@@ -14,6 +14,7 @@ import numpy as np
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
+from .load_agreement import LeftOut, left_out_windows, load_share
 from .presliding import stuck_density
 from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
@@ -281,7 +282,7 @@ def drift_of(system, residual, weights):
 
 def held_out(system, mean, covariance, weights):
     """
-    Return residuals (N, n) of data left out of the fit: each recording in turn.
+    Return the LeftOut of data left out of the fit: each recording in turn.
 
     A single recording is cut into four parts in time instead.
     """
@@ -290,13 +291,13 @@ def held_out(system, mean, covariance, weights):
         parts = np.arange(len(parts)) * 4 // len(parts)
     told = {part: system.told(mean, covariance, weights, np.flatnonzero(parts == part))
             for part in np.unique(parts)}
-    out = np.empty_like(system.torque)
+    residual, covariances = np.empty_like(system.torque), {}
     for part in told:
         rest = [sum(sums) for sums in zip(*(told[k] for k in told if k != part))]
-        x, _ = posterior_of(mean, covariance, rest)
+        x, covariances[part] = posterior_of(mean, covariance, rest)
         rows = parts == part
-        out[rows] = system.torque[rows] - system.columns[rows] @ x
-    return out
+        residual[rows] = system.torque[rows] - system.columns[rows] @ x
+    return LeftOut(residual, parts, covariances)
 
 
 def identify(robot, evidence, effects=None, progress=lambda text: None):
@@ -324,10 +325,12 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).friction_level()
     left_out = held_out(system, mean, covariance, weights)
-    intensity = density(left_out, weights, system.owner, system.dt)
+    intensity = density(left_out.residual, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
-    residuals = Residuals(rmse_of(robot, system, left_out), intensity,
-                          drift_of(system, left_out, weights))
+    drift = drift_of(system, left_out.residual, weights)
+    windows = left_out_windows(robot, system, left_out, friction, drift)
+    residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
+                          load_share(windows, intensity))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

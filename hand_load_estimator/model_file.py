@@ -84,6 +84,7 @@ def model_content(model):
         'residual': {
             'torque_noise': [_number(v, 4) for v in residuals.rmse],
             'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
+            'load_share': _number(residuals.load_share, 4),
             'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]},
         'recordings': list(model.recordings),
         'temperatures': [float(t) for t in model.temperatures] if model.temperatures else None,
@@ -95,6 +96,7 @@ _HEADER = """\
 # Torque model of hand_load_estimator: tau = rigid body + effects, with what is known of each.
 # links: products in pinocchio's order about each joint's frame [kg, kg m, kg m^2].
 # residual: torque_noise [Nm] (held-out RMS), low_frequency_density [Nm^2 s],
+#   load_share: of all variances stated here, the part an estimate of the load suffers from,
 #   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings.
 # correlations: lower triangle without the diagonal, links first, then effects as listed.
 """
@@ -128,7 +130,9 @@ def read_model(path):
     residual = section.section('residual')
     residuals = Residuals(residual.vector('torque_noise', robot.n, 1e-9),
                           residual.vector('low_frequency_density', robot.n, 1e-12),
-                          _read_drift(residual, robot.n))
+                          _read_drift(residual, robot.n),
+                          residual.number('load_share', 1e-3) if residual.has('load_share')
+                          else 1.0)
     residual.refuse_unknown()
     temperatures = (tuple(section.vector('temperatures', 2))
                     if section.has('temperatures') else None)

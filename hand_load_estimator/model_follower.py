@@ -120,17 +120,19 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
-        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x)[0]
+        share = self.model.residuals.load_share
+        nuisances = np.sqrt(share) * nuisance_columns(
+            columns, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(
             columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
         stuck = stuck_variance(z, doubt, sample.v, level)
         # Identification measured the residual's density; sampled more rarely it has more.
-        density = self.model.residuals.intensity
+        density = self.model.residuals.load_intensity
         if self._noise is not None:
             density = np.maximum(
                 density, self._noise.update(difference, sample.dt, sample.messages))
-        density = density + 2.0 * STUCK_TIME * stuck
+        density = density + share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
             load, turned = load_through_effects(self.model, columns[0], load, sample, z, believed)

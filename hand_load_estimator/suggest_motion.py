@@ -204,7 +204,8 @@ class MotionSuggester:
         path.update(motion.position[0], np.zeros(robot.n), dt)
         for q, v, a in zip(*motion.sample(times)):
             z, doubt = path.update(q, v, dt)
-            density = model.residuals.intensity + stuck_density(z, doubt, v, self._level)
+            density = model.residuals.load_share * (
+                model.residuals.intensity + stuck_density(z, doubt, v, self._level))
             columns = robot.load_regressor(q, v, a)
             matrix += columns.T @ (columns * (dt / density)[:, None])
         return matrix

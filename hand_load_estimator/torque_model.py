@@ -29,12 +29,19 @@ class Residuals:
     rmse [Nm]: of the filtered torque on held-out data. intensity [Nm^2 s]: spectral density of
     the residual at low frequencies; over t seconds an average of it has variance intensity / t,
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
-    deviation between recordings of offset, Coulomb level and viscous coefficient.
+    deviation between recordings of offset, Coulomb level and viscous coefficient. load_share: of
+    all variances the model states, what an estimate of the load suffers from (load_agreement.py).
     """
 
     rmse: np.ndarray
     intensity: np.ndarray
     drift: np.ndarray
+    load_share: float = 1.0
+
+    @property
+    def load_intensity(self):
+        """Density (n,) [Nm^2 s] by which an estimate of the load weighs its samples."""
+        return self.load_share * self.intensity
 
 
 @dataclass(frozen=True)
@@ -119,18 +126,18 @@ def drift_std(model, known):
     return drift
 
 
-def nuisance_columns(columns, uncertain, drift, x):
+def nuisance_columns(columns, uncertain, drift, z, v):
     """
     Return (N, n, r + 3 n): torque of the model's unit-variance uncertainties.
 
-    columns Y (N, n, P); uncertain (P, r); drift (n, 3); x: the EffectInput of the columns.
+    columns Y (N, n, P); uncertain (P, r); drift (n, 3); z, v (N, n) of the columns.
     """
-    count, n = x.q.shape
+    count, n = z.shape
     known, places = uncertain.shape[1], np.arange(DRIFTS * n)
     out = np.zeros((count, n, known + DRIFTS * n))
     out[:, :, :known] = columns @ uncertain
     basis = np.empty((count, DRIFTS, n))
-    basis[:, 0], basis[:, 1], basis[:, 2] = 1.0, x.z, x.v
+    basis[:, 0], basis[:, 1], basis[:, 2] = 1.0, z, v
     basis *= drift.T
     out[:, places % n, known + places] = basis.reshape(count, -1)
     return out

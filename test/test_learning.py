@@ -82,7 +82,7 @@ def test_training_steps_lower_the_objective_through_the_regression(model, shard)
     optimiser = torch.optim.Adam([*network.lstm.parameters(),
                                   *network.joint_head.parameters()], lr=1e-2)
     losses = []
-    for _ in range(12):
+    for _ in range(20):
         loss = divergence(*answers(network, shard, *prior)[:2], shard['load']).mean()
         optimiser.zero_grad()
         loss.backward()

@@ -23,7 +23,8 @@ class ModelDoubt:
         x = EffectInput(*(s[None] for s in (q, v, a, warmth_of(model.robot, temperature),
                                             direction)))
         columns = nuisance_columns(torque_columns(model.robot, model.layout, x, model.mean),
-                                   self._uncertain, drift_std(model, np.isfinite(temperature)), x)
+                                   self._uncertain, drift_std(model, np.isfinite(temperature)),
+                                   x.z, x.v)
         return np.sqrt((columns[0] ** 2).sum(axis=1))
 
 

@@ -26,7 +26,7 @@ class DifferenceFunction:
     def __init__(self, model, artefact):
         self._robot, self._artefact = model.robot, artefact
         share = np.clip(artefact.share, LEAST_SHARE, None)
-        self._gained = (1.0 - share) * model.residuals.intensity
+        self._gained = (1.0 - share) * model.residuals.load_intensity
         self._expected = artefact.left_out_variance
 
     def mean_and_variance(self, q, v, a, temperature):

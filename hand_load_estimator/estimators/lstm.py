@@ -233,7 +233,7 @@ class Lstm(Watching):
     def _features(self, sample, prediction, load):
         residuals = self._model.residuals
         slow = self._slow.update(load[0], load[1], prediction.density, sample.dt)
-        return features(self._robot.limits, (residuals.rmse, residuals.intensity),
+        return features(self._robot.limits, (residuals.rmse, residuals.load_intensity),
                         (sample.q, sample.v, sample.a),
                         sample.temperature - self._robot.reference_temperature,
                         (prediction.z, prediction.doubt, prediction.density),

@@ -5,6 +5,9 @@ A true arm is drawn around the *identified* torque model (its covariance, its dr
 recordings, priors for unmodelled torque), moved along a random motion with a random load, and
 seen through the estimator's own filter and torque model. Only differences matter, because the
 model is linear: tau_real - tau_mdl = K m + Y (x_true - x) + what the model lacks + noise.
+
+Before that the same arm makes another motion without a load, which tells the share of the stated
+density its estimates suffer from, as identification finds it for a real arm (load_agreement.py).
 """
 
 from dataclasses import dataclass, replace
@@ -12,12 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import EffectInput
+from ..load_agreement import load_share, slices_of, Window
 from ..motion import BANDWIDTH, filter_step
 from ..presliding import presliding_path, stuck_density
 from ..torque_columns import effect_columns, torque_columns
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
-from .random_motions import random_motion
+from .random_motions import random_motion, random_waves
 from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_state,
                          friction_torque)
 
@@ -72,52 +76,78 @@ class SequenceMaker:
         """Return the Sequence of a seed."""
         rng = np.random.default_rng(seed)
         model, actual = _vary(rng, self._model)
-        robot = model.robot
-        times = np.arange(int(DURATION * RATE)) / RATE
-        q, v, a = random_motion(rng, robot, times)
-        torque = _friction_and_noise(rng, model, actual, q, v)
-        v = v + np.exp(rng.uniform(*np.log(VELOCITY_NOISE))) * rng.normal(size=v.shape)
-        q, v, a, torque = _through_filter(q, v, torque)
-        z, doubt = presliding_path(q, v, np.full(len(q), EVERY / RATE),
-                                   model.presliding_distance())
+        robot, times = model.robot, np.arange(int(DURATION * RATE)) / RATE
+        q, v, a, z, doubt, torque = _seen(rng, model, actual, (
+            random_waves(rng, robot, times), random_motion(rng, robot, times)))
         warmth, measured = _warmths(rng, model, len(q))
         x = EffectInput(q, v, a, np.nan_to_num(measured), z)
-        columns = torque_columns(robot, model.layout, x, model.mean,
-                                 np.full(len(q), EVERY / RATE))
-        load = random_load(rng, robot)
+        dt = np.full(len(q), EVERY / RATE)
+        columns = torque_columns(robot, model.layout, x, model.mean, dt)
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
+        error = torque - _sliding_friction(model, x) + _temperature_error(model, x, warmth)
+        error += self._model_error(rng, actual, columns, x)
+        load = random_load(rng, robot)
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
-        difference = misread * (load_columns @ load.to_products())
-        difference += torque - _sliding_friction(model, x)
-        difference += _temperature_error(model, x, warmth)
-        difference += self._model_error(rng, actual, columns, x)
-        undeclared, severe = disturbances(rng, q, v, columns @ model.mean + difference,
+        held = misread * (load_columns @ load.to_products())
+        before = len(q) // 2
+        held[:before] = 0.0
+        undeclared, severe = disturbances(rng, q, v, columns @ model.mean + error + held,
                                           np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
                                           EVERY / RATE)
-        difference += undeclared
+        if severe:
+            # What stands out came after identification.
+            undeclared[:before] = 0.0
+        difference = error + held + undeclared
         nuisances = nuisance_columns(columns, self._uncertain,
-                                     drift_std(model, np.isfinite(measured[0])), x)
+                                     drift_std(model, np.isfinite(measured[0])), z, v)
         level = model.friction_level()
-        moving = np.flatnonzero((np.abs(v) > 0.05).any(axis=1))
+        stuck = stuck_density(z, doubt, v, level)
+        share = load_share(
+            [Window(load_columns[rows], nuisances[rows], difference[rows], stuck[rows], dt[rows])
+             for rows in slices_of(dt[:before], np.zeros(before, dtype=int))],
+            model.residuals.intensity)
+        nuisances *= np.sqrt(share)
+        moving = np.flatnonzero((np.abs(v[before:]) > 0.05).any(axis=1))
+        late = slice(before, None)
         return _as_float32(Sequence(
-            motion=np.stack([q, v, a], axis=1), difference=difference,
-            columns=np.concatenate([load_columns, nuisances], axis=2), warmth=measured, z=z,
-            doubt=doubt, load=load.to_message(),
-            begin=np.array(moving[0] if len(moving) else len(q) - 1),
-            density=model.residuals.intensity + stuck_density(z, doubt, v, level),
-            level=level, rmse=model.residuals.rmse, intensity=model.residuals.intensity,
+            motion=np.stack([q, v, a], axis=1)[late], difference=difference[late],
+            columns=np.concatenate([load_columns, nuisances], axis=2)[late],
+            warmth=measured[late], z=z[late], doubt=doubt[late], load=load.to_message(),
+            begin=np.array(moving[0] if len(moving) else before - 1),
+            density=share * (model.residuals.intensity + stuck[late]), level=level,
+            rmse=model.residuals.rmse, intensity=share * model.residuals.intensity,
             severe=np.array(severe)))
 
     def _model_error(self, rng, actual, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""
         error = columns @ (self._root @ rng.normal(size=self._root.shape[1]))
-        drift = nuisance_columns(columns, self._uncertain[:, :0], actual.drift, x)
+        drift = nuisance_columns(columns, self._uncertain[:, :0], actual.drift, x.z, x.v)
         return error + drift @ rng.normal(size=drift.shape[2])
 
 
 def _as_float32(sequence):
     return Sequence(**{name: np.asarray(value, dtype=np.float32)
                        for name, value in vars(sequence).items()})
+
+
+def _seen(rng, model, actual, motions):
+    """
+    Return q, v, a, z, doubt and torque of friction and noise, (N, n) each, through the filter.
+
+    Of several motions (q, v, a) of the same arm, one after the other.
+    """
+    count = len(motions[0][0])
+    q, v = (np.concatenate([motion[k] for motion in motions]) for k in (0, 1))
+    torque = _friction_and_noise(rng, model, actual, q, v)
+    v = v + np.exp(rng.uniform(*np.log(VELOCITY_NOISE))) * rng.normal(size=v.shape)
+    parts = []
+    for first in range(0, len(q), count):
+        rows = slice(first, first + count)
+        *motion, filtered = _through_filter(q[rows], v[rows], torque[rows])
+        parts.append((*motion, *presliding_path(
+            motion[0], motion[1], np.full(len(filtered), EVERY / RATE),
+            model.presliding_distance()), filtered))
+    return tuple(np.concatenate(part) for part in zip(*parts))
 
 
 def _vary(rng, model):
@@ -138,14 +168,12 @@ def _vary(rng, model):
         if 'presliding_distance' in shape:
             shape['presliding_distance'] *= travel[use.joint]
         uses.append(replace(use, shape=shape))
+    old, excess = model.residuals, 10.0 ** rng.uniform(*OVERSTATED)
     noisier = np.exp(rng.normal(0.0, 0.2, n))
-    old = model.residuals
-    actual = replace(old, rmse=old.rmse * noisier, intensity=old.intensity * noisier ** 2,
-                     drift=old.drift * noisier[:, None])
-    excess = 10.0 ** rng.uniform(*OVERSTATED)
-    stated = replace(actual, rmse=actual.rmse * excess ** 0.2, intensity=actual.intensity * excess,
-                     drift=actual.drift * excess ** 0.5)
-    return replace(model, mean=mean, uses=tuple(uses), residuals=stated), actual
+    actual = replace(old, rmse=old.rmse * noisier * excess ** -0.2,
+                     intensity=old.intensity * noisier ** 2 / excess,
+                     drift=old.drift * noisier[:, None] * excess ** -0.5)
+    return replace(model, mean=mean, uses=tuple(uses)), actual
 
 
 def _warmths(rng, model, count):

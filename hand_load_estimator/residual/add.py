@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
+from ..load_agreement import left_out_windows, load_share
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
@@ -116,16 +117,17 @@ def _identified(model, declared, mean, covariance, evidence, own):
         x, posterior = system.solve(mean, covariance, weights)
         friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
-        intensity = density(left_out, weights, system.owner, system.dt)
+        intensity = density(left_out.residual, weights, system.owner, system.dt)
         if not own:
             # New recordings need not show all that the old ones did.
             intensity = np.maximum(intensity, SHOWN * residuals.intensity)
-    rmse = rmse_of(robot, system, left_out)
+    rmse, drift = rmse_of(robot, system, left_out.residual), residuals.drift
     if own:
-        found = Residuals(rmse, intensity, drift_of(system, left_out, weights))
+        drift = drift_of(system, left_out.residual, weights)
     else:
-        found = Residuals(np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse), intensity,
-                          residuals.drift)
+        rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
+    windows = left_out_windows(robot, system, left_out, friction, drift)
+    found = Residuals(rmse, intensity, drift, load_share(windows, intensity))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)

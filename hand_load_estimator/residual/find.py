@@ -121,7 +121,7 @@ def _joined_input(parts):
 def _expected(model, columns, x):
     """Return the RMS (n,) [Nm] of what the model's covariance and drift may do."""
     root = uncertain_directions(model, DIRECTIONS, 0)
-    doubt = nuisance_columns(columns, root, model.residuals.drift, x)
+    doubt = nuisance_columns(columns, root, model.residuals.drift, x.z, x.v)
     return np.sqrt((doubt ** 2).sum(axis=2).mean(axis=0))
 
 

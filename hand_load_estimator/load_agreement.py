@@ -1,0 +1,112 @@
+"""
+Does the torque model's stated noise agree with the loads it finds where none is held?
+
+The density read from block means is the largest over block lengths, a safe figure for whoever
+watches the residual, but several times what an estimate of the load suffers from. Data left out
+of an identification tell the latter: the load found in a window of them is wrong by
+b = sum K^T W r, which by the statement has covariance S = sum K^T W K + G G^T (noise, and the
+model's own uncertainty through G = sum K^T W N). For a consistent estimator b^T S^-1 b, the
+normalised estimation error squared, is 10 on average; what it is of 10 is the share of all stated
+variances that an estimate suffers from. Scaling all of them alike leaves the estimate as it is.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .presliding import stuck_density
+from .torque_model import nuisance_columns
+
+# Length [s] of a window: what an estimate is made from soon after the start of a motion.
+WINDOW = 5.0
+# Windows of agreement at share 1 that are taken for granted: a short recording tells little.
+ASSUMED = 1.0
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """
+    What identification found of recordings left out of it, each in turn.
+
+    residual (N, n) [Nm]; part (N,): number of the part a row was left out with; covariances
+    {part: (P, P)} of the parameters found without it.
+    """
+
+    residual: np.ndarray
+    part: np.ndarray
+    covariances: dict
+
+
+@dataclass(frozen=True)
+class Window:
+    """
+    Some seconds without load: N rows of n joints.
+
+    load K (N, n, 10); uncertain (N, n, r): unit-variance uncertainties of the model; residual
+    (N, n) [Nm]; stuck (N, n) [Nm^2 s]: density that friction in doubt adds; dt (N,) [s].
+    """
+
+    load: np.ndarray
+    uncertain: np.ndarray
+    residual: np.ndarray
+    stuck: np.ndarray
+    dt: np.ndarray
+
+    def squared_error(self, density):
+        """Return b^T S^-1 b for a density (n,) [Nm^2 s] of the residual."""
+        load = self.load
+        weights = self.dt[:, None] / (density + self.stuck)
+        weighed = (load * weights[:, :, None]).reshape(-1, 10)
+        error = self.residual.reshape(-1) @ weighed
+        through = weighed.T @ self.uncertain.reshape(len(weighed), -1)
+        covariance = weighed.T @ load.reshape(-1, 10) + through @ through.T
+        # Masses and moments of inertia differ by orders of magnitude.
+        unit = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+        scaled = covariance * np.outer(unit, unit) + 1e-9 * np.eye(10)
+        return float((error * unit) @ np.linalg.solve(scaled, error * unit))
+
+
+def left_out_windows(robot, system, left_out, friction, drift):
+    """
+    Return the Windows of a LeftOut.
+
+    system: the System it was found with; friction (n,) [Nm]; drift (n, 3) as of Residuals.
+    """
+    stuck = stuck_density(system.z, system.doubt, system.velocity, friction)
+    roots = {part: _root(covariance) for part, covariance in left_out.covariances.items()}
+    parts = np.unique(np.stack([system.owner, left_out.part]), axis=1, return_inverse=True)[1]
+    out = []
+    for rows in slices_of(system.dt, parts.ravel()):
+        columns = system.columns[rows]
+        out.append(Window(
+            robot.load_columns(columns[:, :, :10 * robot.n]),
+            nuisance_columns(columns, roots[left_out.part[rows.start]], drift, system.z[rows],
+                             system.velocity[rows]),
+            left_out.residual[rows], stuck[rows], system.dt[rows]))
+    return out
+
+
+def _root(covariance):
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
+
+
+def slices_of(dt, part):
+    """Return slices of WINDOW seconds of rows dt (N,) [s] apart, none across two parts (N,)."""
+    edges = np.r_[0, np.flatnonzero(np.diff(part)) + 1, len(part)]
+    out = []
+    for first, stop in zip(edges[:-1], edges[1:]):
+        count = np.floor(np.cumsum(dt[first:stop]) / WINDOW + 1e-9).astype(int)
+        cuts = first + np.searchsorted(count, np.arange(count[-1] + 1))
+        out += [slice(a, b) for a, b in zip(cuts[:-1], cuts[1:])]
+    return out
+
+
+def load_share(windows, density):
+    """
+    Return the share of the stated variances at which loads found in Windows err as stated.
+
+    density (n,) [Nm^2 s] of the residual. Without a window the share is 1, the safe figure.
+    """
+    squares = sum(window.squared_error(density) for window in windows)
+    return float((squares / 10.0 + ASSUMED) / (len(windows) + ASSUMED))

@@ -1,0 +1,48 @@
+"""The share of stated variances an estimate of the load suffers from, on data made for it."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.load_agreement import load_share, slices_of, Window, WINDOW
+
+N, JOINTS, DT = 250, 4, 0.02
+DENSITY = np.array([0.04, 0.02, 0.01, 0.01])
+
+
+def windows(factor, uncertainty=0.0, count=60):
+    """Return Windows whose residual has `factor` times the stated variances."""
+    rng = np.random.default_rng(3)
+    out = []
+    for _ in range(count):
+        load = rng.normal(size=(N, JOINTS, 10)) * 10.0 ** np.linspace(0.0, -3.0, 10)
+        uncertain = uncertainty * rng.normal(size=(N, JOINTS, 3))
+        stuck = rng.uniform(0.0, 0.05, (N, JOINTS))
+        noise = rng.normal(size=(N, JOINTS)) * np.sqrt((DENSITY + stuck) / DT)
+        residual = np.sqrt(factor) * (noise + uncertain @ rng.normal(size=3))
+        out.append(Window(load, uncertain, residual, stuck, np.full(N, DT)))
+    return out
+
+
+@pytest.mark.parametrize('factor', [0.3, 1.0, 4.0])
+@pytest.mark.parametrize('uncertainty', [0.0, 0.2])
+def test_it_is_the_ratio_of_true_to_stated_variance(factor, uncertainty):
+    assert load_share(windows(factor, uncertainty), DENSITY) == pytest.approx(factor, rel=0.15)
+
+
+def test_without_data_the_statement_stands():
+    assert load_share([], DENSITY) == 1.0
+
+
+def test_one_window_tells_half():
+    few = load_share(windows(0.0, count=1), DENSITY)
+    assert few == pytest.approx(0.5)
+
+
+def test_windows_lie_within_parts_and_leave_rests_out():
+    dt = np.full(1300, DT)
+    part = np.r_[np.zeros(600, int), np.ones(100, int), np.full(600, 2)]
+    found = slices_of(dt, part)
+    assert [(s.start, s.stop) for s in found] == [(0, 249), (249, 499), (700, 949), (949, 1199)]
+    for rows in found:
+        assert len(set(part[rows])) == 1
+        assert dt[rows].sum() == pytest.approx(WINDOW, abs=2 * DT)
