@@ -14,7 +14,7 @@ import numpy as np
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
-from .load_agreement import LeftOut, left_out_windows, load_share
+from .load_agreement import LeftOut, share_left_out
 from .presliding import stuck_density
 from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
@@ -116,7 +116,7 @@ class System:
     """
 
     def __init__(self, robot, uses, evidence, mean):
-        distance = presliding_distances(robot.n, uses)
+        self.robot, distance = robot, presliding_distances(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
         inputs = [motion_input(robot, e.motion, distance) for e in evidence]
         self.columns = np.concatenate([
@@ -328,9 +328,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     intensity = density(left_out.residual, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
     drift = drift_of(system, left_out.residual, weights)
-    windows = left_out_windows(robot, system, left_out, friction, drift)
     residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
-                          load_share(windows, intensity))
+                          share_left_out(system, left_out, intensity, friction, drift))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

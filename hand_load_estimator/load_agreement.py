@@ -17,8 +17,8 @@ import numpy as np
 from .presliding import stuck_density
 from .torque_model import nuisance_columns
 
-# Length [s] of a window: what an estimate is made from soon after the start of a motion.
-WINDOW = 5.0
+# Lengths [s] of windows: what an estimate is made from soon after the start of a motion and later.
+WINDOWS = (5.0, 10.0, 20.0)
 # Windows of agreement at share 1 that are taken for granted: a short recording tells little.
 ASSUMED = 1.0
 
@@ -66,24 +66,37 @@ class Window:
         return float((error * unit) @ np.linalg.solve(scaled, error * unit))
 
 
-def left_out_windows(robot, system, left_out, friction, drift):
+def share_left_out(system, left_out, density, friction, drift):
     """
-    Return the Windows of a LeftOut.
+    Return the share of the stated variances at which loads found in a LeftOut err as stated.
 
-    system: the System it was found with; friction (n,) [Nm]; drift (n, 3) as of Residuals.
+    system: the System it was found with; density (n,) [Nm^2 s], friction (n,) [Nm], drift (n, 3)
+    as the model will state them. The largest over lengths of windows, and a standard error more,
+    is the safe one.
     """
     stuck = stuck_density(system.z, system.doubt, system.velocity, friction)
     roots = {part: _root(covariance) for part, covariance in left_out.covariances.items()}
     parts = np.unique(np.stack([system.owner, left_out.part]), axis=1, return_inverse=True)[1]
-    out = []
-    for rows in slices_of(system.dt, parts.ravel()):
+
+    def window(rows):
         columns = system.columns[rows]
-        out.append(Window(
-            robot.load_columns(columns[:, :, :10 * robot.n]),
-            nuisance_columns(columns, roots[left_out.part[rows.start]], drift, system.z[rows],
-                             system.velocity[rows]),
-            left_out.residual[rows], stuck[rows], system.dt[rows]))
-    return out
+        return Window(system.robot.load_columns(columns[:, :, :10 * system.robot.n]),
+                      nuisance_columns(columns, roots[left_out.part[rows.start]], drift,
+                                       system.z[rows], system.velocity[rows]),
+                      left_out.residual[rows], stuck[rows], system.dt[rows])
+
+    shares = []
+    for length in WINDOWS:
+        squares = [window(rows).squared_error(density) / 10.0
+                   for rows in slices_of(system.dt, parts.ravel(), length)]
+        if len(squares) > 1:
+            shares.append(share_of(squares) + np.std(squares) / np.sqrt(len(squares)))
+    return float(max(shares, default=1.0))
+
+
+def share_of(squares):
+    """Return the mean of squared errors per dimension, with ASSUMED; 1 if there is none."""
+    return (np.sum(squares) + ASSUMED) / (len(squares) + ASSUMED)
 
 
 def _root(covariance):
@@ -91,22 +104,12 @@ def _root(covariance):
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def slices_of(dt, part):
-    """Return slices of WINDOW seconds of rows dt (N,) [s] apart, none across two parts (N,)."""
+def slices_of(dt, part, length):
+    """Return slices of `length` seconds of rows dt (N,) [s] apart, none across two parts (N,)."""
     edges = np.r_[0, np.flatnonzero(np.diff(part)) + 1, len(part)]
     out = []
     for first, stop in zip(edges[:-1], edges[1:]):
-        count = np.floor(np.cumsum(dt[first:stop]) / WINDOW + 1e-9).astype(int)
+        count = np.floor(np.cumsum(dt[first:stop]) / length + 1e-9).astype(int)
         cuts = first + np.searchsorted(count, np.arange(count[-1] + 1))
         out += [slice(a, b) for a, b in zip(cuts[:-1], cuts[1:])]
     return out
-
-
-def load_share(windows, density):
-    """
-    Return the share of the stated variances at which loads found in Windows err as stated.
-
-    density (n,) [Nm^2 s] of the residual. Without a window the share is 1, the safe figure.
-    """
-    squares = sum(window.squared_error(density) for window in windows)
-    return float((squares / 10.0 + ASSUMED) / (len(windows) + ASSUMED))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hand_load_estimator.load_agreement import load_share, slices_of, Window, WINDOW
+from hand_load_estimator.load_agreement import share_of, slices_of, Window
 
 N, JOINTS, DT = 250, 4, 0.02
 DENSITY = np.array([0.04, 0.02, 0.01, 0.01])
@@ -26,23 +26,23 @@ def windows(factor, uncertainty=0.0, count=60):
 @pytest.mark.parametrize('factor', [0.3, 1.0, 4.0])
 @pytest.mark.parametrize('uncertainty', [0.0, 0.2])
 def test_it_is_the_ratio_of_true_to_stated_variance(factor, uncertainty):
-    assert load_share(windows(factor, uncertainty), DENSITY) == pytest.approx(factor, rel=0.15)
+    squares = [w.squared_error(DENSITY) / 10.0 for w in windows(factor, uncertainty)]
+    assert share_of(squares) == pytest.approx(factor, rel=0.15)
 
 
 def test_without_data_the_statement_stands():
-    assert load_share([], DENSITY) == 1.0
+    assert share_of([]) == 1.0
 
 
 def test_one_window_tells_half():
-    few = load_share(windows(0.0, count=1), DENSITY)
-    assert few == pytest.approx(0.5)
+    assert share_of([0.0]) == 0.5
 
 
 def test_windows_lie_within_parts_and_leave_rests_out():
     dt = np.full(1300, DT)
     part = np.r_[np.zeros(600, int), np.ones(100, int), np.full(600, 2)]
-    found = slices_of(dt, part)
+    found = slices_of(dt, part, 5.0)
     assert [(s.start, s.stop) for s in found] == [(0, 249), (249, 499), (700, 949), (949, 1199)]
     for rows in found:
         assert len(set(part[rows])) == 1
-        assert dt[rows].sum() == pytest.approx(WINDOW, abs=2 * DT)
+        assert dt[rows].sum() == pytest.approx(5.0, abs=2 * DT)

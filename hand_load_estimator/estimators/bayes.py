@@ -25,7 +25,8 @@ class Bayes(Watching):
     def __init__(self, model, uncertainties):
         robot = model.robot
         self._watcher = self._regression = LoadRegression(
-            load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std)
+            load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std,
+            model.residuals.load_share)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._gate = ContactGate(robot.joints, model.residuals.rmse, model.friction_level(),

@@ -24,14 +24,17 @@ class LoadRegression:
     Hold the information about the load, give posteriors, notice load changes.
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
-    standard deviation of the torque constants; watch: look for load changes in motion.
+    standard deviation of the torque constants; load_share: as of Residuals, which the model's
+    variances were scaled by; watch: look for load changes in motion.
     changes counts load changes; last_change is the stamp of the newest, or None. change (10, 10):
     covariance of what the products may change by when the load does.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, watch=True):
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, watch=True):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
         self._joints = n
+        # What changes on the way is judged by the safe figures: variances as they were stated.
+        self._evidence = EVIDENCE / min(load_share, 1.0)
         # Only the doubt about torque constants asks for each joint's part.
         self._recent = RecentData(n if gain_doubt > 0.0 else 0, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
@@ -61,7 +64,7 @@ class LoadRegression:
         if split is None:
             return
         older, recent = split
-        if log_bayes_factor(recent, *self._older_belief(older), self.change) > EVIDENCE:
+        if log_bayes_factor(recent, *self._older_belief(older), self.change) > self._evidence:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp)
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import EffectInput
-from ..load_agreement import load_share, slices_of, Window
+from ..load_agreement import share_of, slices_of, Window, WINDOWS
 from ..motion import BANDWIDTH, filter_step
 from ..presliding import presliding_path, stuck_density
 from ..torque_columns import effect_columns, torque_columns
@@ -102,10 +102,10 @@ class SequenceMaker:
                                      drift_std(model, np.isfinite(measured[0])), z, v)
         level = model.friction_level()
         stuck = stuck_density(z, doubt, v, level)
-        share = load_share(
-            [Window(load_columns[rows], nuisances[rows], difference[rows], stuck[rows], dt[rows])
-             for rows in slices_of(dt[:before], np.zeros(before, dtype=int))],
-            model.residuals.intensity)
+        share = share_of([
+            Window(load_columns[rows], nuisances[rows], difference[rows], stuck[rows],
+                   dt[rows]).squared_error(model.residuals.intensity) / 10.0
+            for rows in slices_of(dt[:before], np.zeros(before, dtype=int), WINDOWS[0])])
         nuisances *= np.sqrt(share)
         moving = np.flatnonzero((np.abs(v[before:]) > 0.05).any(axis=1))
         late = slice(before, None)

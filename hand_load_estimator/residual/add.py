@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
-from ..load_agreement import left_out_windows, load_share
+from ..load_agreement import share_left_out
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
@@ -126,8 +126,8 @@ def _identified(model, declared, mean, covariance, evidence, own):
         drift = drift_of(system, left_out.residual, weights)
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
-    windows = left_out_windows(robot, system, left_out, friction, drift)
-    found = Residuals(rmse, intensity, drift, load_share(windows, intensity))
+    found = Residuals(rmse, intensity, drift,
+                      share_left_out(system, left_out, intensity, friction, drift))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
