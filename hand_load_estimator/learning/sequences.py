@@ -89,34 +89,29 @@ class SequenceMaker:
         load = random_load(rng, robot)
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
         held = misread * (load_columns @ load.to_products())
-        before = len(q) // 2
-        held[:before] = 0.0
+        before, late = slice(len(q) // 2), slice(len(q) // 2, None)
+        held[before] = 0.0
         undeclared, severe = disturbances(rng, q, v, columns @ model.mean + error + held,
                                           np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
                                           EVERY / RATE)
         if severe:
             # What stands out came after identification.
-            undeclared[:before] = 0.0
+            undeclared[before] = 0.0
         difference = error + held + undeclared
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), z, v)
-        level = model.friction_level()
+        level, intensity = model.friction_level(), model.residuals.intensity
         stuck = stuck_density(z, doubt, v, level)
-        share = share_of([
-            Window(load_columns[rows], nuisances[rows], difference[rows], stuck[rows],
-                   dt[rows]).squared_error(model.residuals.intensity) / 10.0
-            for rows in slices_of(dt[:before], np.zeros(before, dtype=int), WINDOWS[0])])
-        nuisances *= np.sqrt(share)
-        moving = np.flatnonzero((np.abs(v[before:]) > 0.05).any(axis=1))
-        late = slice(before, None)
+        share = _share(Window(*(part[before] for part in (
+            load_columns, nuisances, difference, stuck, dt))), intensity)
+        moving = np.flatnonzero((np.abs(v[late]) > 0.05).any(axis=1))
         return _as_float32(Sequence(
             motion=np.stack([q, v, a], axis=1)[late], difference=difference[late],
-            columns=np.concatenate([load_columns, nuisances], axis=2)[late],
+            columns=np.concatenate([load_columns, np.sqrt(share) * nuisances], axis=2)[late],
             warmth=measured[late], z=z[late], doubt=doubt[late], load=load.to_message(),
-            begin=np.array(moving[0] if len(moving) else before - 1),
-            density=share * (model.residuals.intensity + stuck[late]), level=level,
-            rmse=model.residuals.rmse, intensity=share * model.residuals.intensity,
-            severe=np.array(severe)))
+            begin=np.array(moving[0] if len(moving) else len(q) // 2 - 1),
+            density=share * (intensity + stuck[late]), level=level, rmse=model.residuals.rmse,
+            intensity=share * intensity, severe=np.array(severe)))
 
     def _model_error(self, rng, actual, columns, x):
         """Return torque (N, n) of identified parameters that are off as their covariance says."""
@@ -128,6 +123,13 @@ class SequenceMaker:
 def _as_float32(sequence):
     return Sequence(**{name: np.asarray(value, dtype=np.float32)
                        for name, value in vars(sequence).items()})
+
+
+def _share(run, intensity):
+    """Return the share of the stated variances by which a run (Window) without load errs."""
+    return share_of([
+        Window(*(part[rows] for part in vars(run).values())).squared_error(intensity) / 10.0
+        for rows in slices_of(run.dt, np.zeros(len(run.dt), dtype=int), WINDOWS[0])])
 
 
 def _seen(rng, model, actual, motions):
