@@ -10,7 +10,7 @@ from .objective import JUDGED, answers
 from .shards import read_shard
 
 # Chunks (0.1 s each, motion starts 0.15 to 1 s in) whose mass error the card tells.
-TOLD = (14, 19, 29, 49, 99)
+TOLD = (9, 19, 29, 49, 99)
 NORMAL_95 = 1.959964
 # Answers within this of a level [decades] tell its factor; fewer than LEAST tell nothing sure,
 # and then the nearest LEAST of all answers do.

@@ -11,9 +11,9 @@ from .features import REFRESH
 from .regression_layer import chunk_sums, marginal, message_moments, shape_posterior
 
 # Widths of the labels: [kg], [m], [kg m^2]; no answer needs to be surer than that.
-LABEL_STD = (4e-3,) + (5e-4,) * 3 + (5e-4,) * 6
-# Chunks (of REFRESH samples) after which the answer is judged: dense while it matters.
-JUDGED = tuple(range(1, 24)) + tuple(range(25, 50, 4)) + tuple(range(52, 100, 8)) + (99,)
+LABEL_STD = (1e-3,) + (1e-4,) * 3 + (2e-4,) * 6
+# Chunks (of REFRESH samples) after which the answer is judged: dense while it is young.
+JUDGED = tuple(range(1, 10)) + tuple(range(11, 28, 4)) + tuple(range(29, 100, 5))
 
 
 def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
