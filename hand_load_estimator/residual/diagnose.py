@@ -17,6 +17,7 @@ from .findings import findings_of, refuted
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
+from .structure import structures
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
@@ -63,6 +64,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, model.robot.joints, before, after)
+    progress('telling where the residual lives')
+    structure = structures(model, better, residual, evidence, warmed)
     cannot = [*sentences, *still.values(), *limited,
               *_nearly(model.robot, trace, findings, _structured(after, floor))]
     correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
@@ -70,7 +73,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=names,
         tested_on=tested_on, seconds=time.monotonic() - began,
-        remains=doubts + _remains(model.robot, after, floor)), correction), better
+        remains=doubts + _remains(model.robot, after, floor), structure=structure),
+        correction), better
 
 
 def _residual(model, evidence):
