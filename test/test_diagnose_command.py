@@ -51,6 +51,17 @@ def test_the_hidden_effect_is_named_and_its_error_gone(found):
     assert (after < 1.1 * before).all() and (after < 1.3 * model().noise).all()
 
 
+def test_the_report_says_where_the_residual_lived(found):
+    """The rubbing joint's follows its velocity, in part only its direction, and then nothing."""
+    before, after = (found['structure'][side] for side in ('before', 'after'))
+    share = {name: values[JOINT] for name, values in before['share'].items()}
+    assert share['velocity'] > 0.8 > share['direction'] and share['position'] < 0.1
+    assert before['pairs'][JOINT][JOINT] > 0.8
+    # All recordings are equally warm.
+    assert set(before['share'].pop('temperature')) == {None}
+    assert max(after['share'][name][JOINT] for name in before['share']) < 0.05
+
+
 def test_the_load_is_estimated_better(found):
     error = found['load_error']
     assert error['after']['mass_rmse'] < 0.7 * error['before']['mass_rmse']

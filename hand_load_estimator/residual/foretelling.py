@@ -19,17 +19,22 @@ class Foretelling:
     """
 
     def __init__(self, values, weights, starts, beside):
-        self._values, self._weights, self._beside = values, weights, beside
         self._total = float(weights.sum())
         blocks = np.split(np.arange(len(values)), starts[1:])
-        self._folds = [[piece for rows in blocks[fold::FOLDS]
-                        for piece in np.array_split(rows, max(len(rows) // MEMORY, 1))]
-                       for fold in range(FOLDS)]
+        folds = [[rows[weights[rows] > 0.0] for rows in blocks[k::FOLDS]] for k in range(FOLDS)]
+        # Rows that count, fold by fold, each fold a row of pieces.
+        self._order = np.concatenate([rows for fold in folds for rows in fold])
+        ends = np.cumsum([sum(map(len, fold)) for fold in folds])
+        self._folds = [slice(end - sum(map(len, fold)), end) for end, fold in zip(ends, folds)]
+        self._pieces = [np.arange(0, fold.stop - fold.start, MEMORY) for fold in self._folds]
         rng = np.random.default_rng(0)
-        self._signs = [np.vstack([np.ones(len(pieces)), rng.choice((-1.0, 1.0), (
-            DRAWS, len(pieces)))]) for pieces in self._folds]
+        self._signs = [np.vstack([np.ones(len(first)), rng.choice((-1.0, 1.0), (
+            DRAWS, len(first)))]) for first in self._pieces]
+        self._roots = np.sqrt(weights[self._order])
+        self._values = self._roots * values[self._order]
+        self._beside = beside
         # Columns that fit noise are better left out.
-        self._alone = np.maximum(self._told(beside), 0.0)
+        self._alone = np.maximum(self._told(beside), 0.0) if self._total else 0.0
 
     def explained(self, columns):
         """Return (mean square that columns (N, k) take off, what chance may give) [Nm^2]."""
@@ -40,16 +45,15 @@ class Foretelling:
 
     def _told(self, columns):
         """Return (1 + DRAWS,): weighted square of the blocks that fits to others take off."""
-        weighted = columns * self._weights[:, None]
+        weighted = columns[self._order] * self._roots[:, None]
         pulled = weighted * self._values[:, None]
-        gram, moment = [], []
-        for pieces, signs in zip(self._folds, self._signs):
-            rows = np.concatenate(pieces)
-            gram.append(weighted[rows].T @ columns[rows])
-            moment.append(signs @ np.array([pulled[piece].sum(axis=0) for piece in pieces]))
+        gram = [weighted[fold].T @ weighted[fold] for fold in self._folds]
+        pull = [signs @ np.add.reduceat(pulled[fold], first) if len(first)
+                else np.zeros((1 + DRAWS, columns.shape[1]))
+                for fold, first, signs in zip(self._folds, self._pieces, self._signs)]
         told = np.zeros(1 + DRAWS)
-        whole, pull = sum(gram) + np.eye(columns.shape[1]), sum(moment)
-        for own, outside in zip(gram, moment):
-            theta = np.linalg.solve(whole - own, (pull - outside).T).T
+        whole, all_pull = sum(gram) + np.eye(columns.shape[1]), sum(pull)
+        for own, outside in zip(gram, pull):
+            theta = np.linalg.solve(whole - own, (all_pull - outside).T).T
             told += ((2.0 * outside - theta @ own) * theta).sum(axis=1)
         return told

@@ -12,7 +12,7 @@ ORDER = (CONSTANT, 'position', 'velocity', DIRECTION, 'acceleration', 'gear torq
          TIME)
 # Knots of a function of one variable, and of one of several that are fitted together.
 KNOTS, FEW_KNOTS = 16, 8
-# Time gets one knot for so many blocks: quicker than that is no change over time.
+# A recording's time gets one knot for so many of its blocks: quicker is no change over time.
 BLOCKS_PER_KNOT, MOST_KNOTS = 3, 12
 # Shares count of the structure there was, or of this share of the variance where there was less.
 LEAST = 0.2
@@ -81,8 +81,18 @@ def _functions(residual, j, warmed):
     if warmed:
         warmth = _scaled(x.warmth[:, j] - x.warmth[:, j].mean())
         yield TEMPERATURE, friction, _products(np.stack([warmth, warmth ** 2], axis=1), friction)
-    knots = min(len(residual.starts) // BLOCKS_PER_KNOT, MOST_KNOTS)
-    yield TIME, friction, _products(hats(np.cumsum(residual.dt), knots), friction)
+    yield TIME, friction, _products(_times(residual), friction)
+
+
+def _times(residual):
+    """Return piecewise linear functions (N, k) of the time within each recording."""
+    out = []
+    for owner in np.unique(residual.owner):
+        own = residual.owner == owner
+        knots = int(np.clip(own[residual.starts].sum() // BLOCKS_PER_KNOT, 2, MOST_KNOTS))
+        places = np.linspace(residual.time[own][0], residual.time[own][-1], knots)
+        out += [own * np.interp(residual.time, places, row) for row in np.eye(knots)]
+    return np.stack(out, axis=1)
 
 
 def _pairs(residual, values, j, size):
