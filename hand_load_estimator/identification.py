@@ -15,6 +15,7 @@ from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
 from .presliding import stuck_density
+from .sliding import sliding_rms, surely_slides
 from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
 from .torque_model import Residuals, TorqueModel
@@ -327,7 +328,9 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     intensity = density(left_out, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
     residuals = Residuals(rmse_of(robot, system, left_out), intensity,
-                          drift_of(system, left_out, weights))
+                          drift_of(system, left_out, weights), sliding_rms(
+        left_out, surely_slides(system.velocity, system.z, system.doubt), system.dt,
+        system.owner))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

@@ -29,12 +29,15 @@ class Residuals:
     rmse [Nm]: of the filtered torque on held-out data. intensity [Nm^2 s]: spectral density of
     the residual at low frequencies; over t seconds an average of it has variance intensity / t,
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
-    deviation between recordings of offset, Coulomb level and viscous coefficient.
+    deviation between recordings of offset, Coulomb level and viscous coefficient. sliding [Nm]:
+    of means over fractions of a second while the joint slides (sliding.py), on data not
+    used for the fit, at the last diagnosis; NaN for a joint without motion then, or None.
     """
 
     rmse: np.ndarray
     intensity: np.ndarray
     drift: np.ndarray
+    sliding: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class TorqueModel:
 
     uses: EffectUse in the order of their columns; links_declared: whether the links' products
     were identified; mean (P,), covariance (P, P) of x; residuals; recordings it came from;
-    temperatures: (low, high) [degC] seen, or None.
+    temperatures: (low, high) [degC] seen, or None; diagnosed: ISO 8601 time at which it was last
+    held against recordings, by identification or diagnosis, or None.
     """
 
     robot: Robot
@@ -55,6 +59,7 @@ class TorqueModel:
     residuals: Residuals
     recordings: tuple = ()
     temperatures: tuple | None = None
+    diagnosed: str | None = None
 
     @property
     def noise(self):

@@ -1,5 +1,6 @@
 """`hand_load diagnose`: report, JSON, a usable model, a fine-tuned artefact."""
 
+from datetime import datetime
 import hashlib
 import json
 import subprocess
@@ -60,6 +61,19 @@ def test_the_report_says_where_the_residual_lived(found):
     # All recordings are equally warm.
     assert set(before['share'].pop('temperature')) == {None}
     assert max(after['share'][name][JOINT] for name in before['share']) < 0.05
+
+
+@pytest.mark.parametrize('out, joint', [('found', JOINT), ('clean', 0)])
+def test_the_model_says_when_it_was_diagnosed_and_what_it_left(folder, found, out, joint):
+    """With an effect added, and as it was where nothing was found."""
+    if out == 'clean':
+        assert diagnosed(folder, 'clean1', '--test', 'clean2', out='clean')[1]['effects'] == []
+    made = read_model(folder / out / 'model.yaml')
+    age = datetime.now().astimezone() - datetime.fromisoformat(made.diagnosed)
+    assert 0.0 <= age.total_seconds() < 600.0
+    # Means over 0.2 s have less noise than single samples.
+    assert 0.0 < made.residuals.sliding[joint] < 1.2 * model().noise[joint]
+    assert read_model(folder / 'old.yaml').diagnosed is None
 
 
 def test_the_load_is_estimated_better(found):

@@ -6,6 +6,7 @@ import time
 import numpy as np
 
 from ..identification import prior
+from ..sliding import sliding_rms
 from .add import better_model, made_from
 from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
@@ -68,13 +69,14 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*sentences, *still.values(), *limited,
               *_nearly(model.robot, trace, findings, _structured(after, floor))]
-    correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
+    correction = offered(better, findings, evidence,
+                         lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=names,
         tested_on=tested_on, seconds=time.monotonic() - began,
-        remains=doubts + _remains(model.robot, after, floor), structure=structure),
-        correction), better
+        remains=doubts + _remains(model.robot, after, floor), structure=structure,
+        sliding=_sliding(better if again else old, test)), correction), better
 
 
 def _residual(model, evidence):
@@ -125,6 +127,12 @@ def _errors(model, better, test):
     floor = noise_floor(new)
     before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
+
+
+def _sliding(model, test):
+    """Return what a model leaves of test data while joints slide (n,) [Nm]."""
+    residual = find_residual(model, test, cut=False)
+    return sliding_rms(residual.residual, residual.sliding, residual.dt, residual.owner)
 
 
 def _rms(errors):

@@ -78,10 +78,15 @@ class Finding:
 
 @dataclass(frozen=True)
 class Correction:
-    """A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its error."""
+    """
+    A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its error.
+
+    sliding (n,) [Nm]: what it leaves while joints slide, as of Residuals.
+    """
 
     model: object
     after: np.ndarray
+    sliding: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -143,7 +148,8 @@ class Diagnosis:
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
     it; fine_tuning: what became of the learned artefact, None where it was left as it is;
-    structure: (Structure before, Structure after), or None.
+    structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model
+    leaves now while joints slide, as of Residuals, or None.
     """
 
     robot: str
@@ -164,3 +170,4 @@ class Diagnosis:
     correction: Correction | None = None
     fine_tuning: FineTuning | None = None
     structure: tuple | None = None
+    sliding: np.ndarray | None = None
