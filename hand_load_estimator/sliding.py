@@ -25,7 +25,8 @@ def sliding_rms(residual, sliding, dt, owner):
     rows = sliding.any(axis=1)
     residual, sliding, dt, owner = residual[rows], sliding[rows], dt[rows], owner[rows]
     # Blocks as the watch cuts them; a recording's end ends one.
-    number = np.floor((np.cumsum(dt) - dt) / BLOCK + 1e-6) + np.cumsum(np.diff(owner, prepend=0) != 0)
+    number = np.floor((np.cumsum(dt) - dt) / BLOCK + 1e-6) \
+        + np.cumsum(np.diff(owner, prepend=0) != 0)
     starts = np.flatnonzero(np.diff(number, prepend=-1.0))
     if not len(starts):
         return np.full(sliding.shape[1], np.nan)

@@ -68,10 +68,10 @@ def _errors(diagnosis):
     return (
         '<h2>Torque error per joint</h2>'
         f'<p>{tested}never used for fitting or choosing.{same}</p>'
-        + html_image(errors_svg(diagnosis), 'Torque error per joint before and after, with its noise '
-                 'floor; the figures are in the table below')
+        + html_image(errors_svg(diagnosis), 'Torque error per joint before and after, with its '
+                     'noise floor; the figures are in the table below')
         + html_table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise floor<br>[Nm]',
-                  'unex&shy;plained'], rows)
+                      'unex&shy;plained'], rows)
         + '<p class="quiet">Before and after: root mean square of measured less modelled torque. '
         'Noise floor: what a perfect model would leave. Unexplained: share of the remaining '
         'error\'s variance that repeats, so is no noise, and that no effect explains.</p>')
@@ -113,8 +113,8 @@ def _learned(fine_tuning):
 def _left(name, share):
     if not math.isfinite(share):
         return f'{label_html(name)}: not known.'
-    return (f'{label_html(name)}: {share_text(share)} of the remaining error\'s variance is structure '
-            'that no effect explains.')
+    return (f'{label_html(name)}: {share_text(share)} of the remaining error\'s variance is '
+            'structure that no effect explains.')
 
 
 def _remains(diagnosis):

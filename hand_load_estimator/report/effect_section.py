@@ -83,8 +83,9 @@ def _parameters(finding):
 
 
 def _pictures(finding):
-    images = [html_image(effect_svg(p), f'Residual torque of {p.joint} in Nm against {p.variable}, '
-                     'with the fitted effect and its 95 % band') for p in finding.pictures]
+    images = [html_image(effect_svg(p), f'Residual torque of {p.joint} in Nm against '
+                         f'{p.variable}, with the fitted effect and its 95 % band')
+              for p in finding.pictures]
     return f'<div class="pictures">{"".join(images)}</div>' if images else ''
 
 
@@ -92,14 +93,14 @@ def _gain(finding):
     """Return why a finding is believed, in nats."""
     e = finding.evidence
     if finding.recording:
-        return (f'The samples of that time are more likely with it by <strong>{number_text(e.gain)} '
-                f'nats</strong>, all that the arm usually does fitted beside it. Needed: '
+        return ('The samples of that time are more likely with it by '
+                f'<strong>{number_text(e.gain)} nats</strong>, all that the arm usually does fitted beside it. Needed: '
                 f'{number_text(e.needed)} nats, with {e.hypotheses} intervals tried.')
     return (
-        f'On data not used for its fit the model with it gains <strong>{number_text(e.gain)} ± '
-        f'{number_text(2.0 * e.gain_std)} nats</strong> of log-likelihood (± 2 standard errors over '
-        f'{e.blocks} blocks). Needed: {number_text(e.needed)} nats, with {e.hypotheses} hypotheses '
-        'tried.')
+        'On data not used for its fit the model with it gains '
+        f'<strong>{number_text(e.gain)} ± {number_text(2.0 * e.gain_std)} nats</strong> of '
+        f'log-likelihood (± 2 standard errors over {e.blocks} blocks). Needed: '
+        f'{number_text(e.needed)} nats, with {e.hypotheses} hypotheses tried.')
 
 
 def _evidence(finding, joints):
@@ -143,6 +144,6 @@ def effect_section(number, finding, joints):
     """Return the HTML section of the finding of a number; joints: names of all of the arm's."""
     name = 'unknown effect' if finding.name == UNKNOWN else name_words(finding.name)
     title = f'{as_sentence(name)} – {where(finding, joints)}'
-    return (f'<section id="effect-{number}"><h2>{label_html(title)}</h2><p>{badges_html(finding)}</p>'
-            + _physics(finding) + _pictures(finding) + _parameters(finding) + _doubt(finding)
+    return (f'<section id="effect-{number}"><h2>{label_html(title)}</h2>'
+            f'<p>{badges_html(finding)}</p>' + _physics(finding) + _pictures(finding) + _parameters(finding) + _doubt(finding)
             + _evidence(finding, joints) + '</section>')

@@ -57,7 +57,7 @@ def _sides(before, after):
 
 
 def variables_svg(joints, before, after):
-    """Return the map of variables (rows) and joints of two Structures; one if they are the same."""
+    """Return the maps of variables (rows) and joints of two Structures, one if they are one."""
     maps = [(title, np.array(list(side.share.values())), np.array(list(side.chance.values())))
             for title, side in _sides(before, after)]
     return _maps_svg(maps, list(before.share), [_shorter(name) for name in joints])

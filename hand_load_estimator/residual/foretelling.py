@@ -1,4 +1,4 @@
-"""How much of a residual plain functions foretell on blocks they were not fitted to, and chance."""
+"""What plain functions foretell of a residual on blocks they were not fitted to, and chance."""
 
 import numpy as np
 
