@@ -78,13 +78,15 @@ def test_an_unchanged_model_has_one_map_and_no_after():
     assert 'elbow_joint: position (100 %).' in text and '; after:' not in text
     assert 'elbow_joint2.462.461.0083 %' in text and '→ 83' not in text
     for svg in (variables_svg(JOINTS, *same.structure), pairs_svg(JOINTS, *same.structure)):
-        assert 'before' in written(svg) and 'after' not in written(svg)
+        assert [text for text in written(svg) if 'structure' in text] == [
+            'before, % of structure']
 
 
 def test_maps_show_what_is_beyond_chance_and_what_cannot_be_told():
     first, second = diagnosis().structure
     drawn = written(variables_svg(JOINTS, first, second))
-    assert {'before', 'after', 'position', 'time', 'elbow', 'shoulder lift'} <= set(drawn)
+    assert {'before, % of structure', 'after, % of structure', 'position', 'time', 'elbow',
+            'shoulder lift'} <= set(drawn)
     assert drawn.count('100') == 1 and drawn.count('3') == 1
     # No temperatures; no motion of wrist 3.
     assert drawn.count('?') == 2 * (6 + len(ORDER) - 1)

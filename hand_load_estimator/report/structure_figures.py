@@ -47,7 +47,7 @@ def _maps_svg(maps, rows, columns):
         panels = figure.subplots(len(maps), 1, squeeze=False)[:, 0]
         for axes, (title, share, chance) in zip(panels, maps):
             _draw_map(axes, share, chance, rows, columns)
-            axes.set_title(title, fontsize='medium', loc='left')
+            axes.set_title(f'{title}, % of structure', fontsize='medium', loc='left')
         panels[-1].set_xticks(range(len(columns)), columns, rotation=90, parse_math=False)
     return svg_of(_NAMES + len(maps) * (_PANEL + _ROW * len(rows)), draw)
 

@@ -20,8 +20,8 @@ def share_text(fraction):
     if not math.isfinite(fraction):
         return 'not known'
     if 0.0 < fraction < 0.01:
-        return '&lt; 1 %'
-    return f'{round(100.0 * fraction)} %'.replace('-', '−')
+        return '&lt;&nbsp;1&nbsp;%'
+    return f'{round(100.0 * fraction)}&nbsp;%'.replace('-', '−')
 
 
 def _rounded(mean, width):
