@@ -16,6 +16,7 @@ from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
 from .load_agreement import LeftOut, share_left_out
 from .presliding import stuck_density
+from .sliding import sliding_rms, surely_slides
 from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
 from .torque_model import Residuals, TorqueModel
@@ -328,8 +329,11 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     intensity = density(left_out.residual, weights, system.owner, system.dt)
     x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
     drift = drift_of(system, left_out.residual, weights)
+    sliding = sliding_rms(left_out.residual,
+                          surely_slides(system.velocity, system.z, system.doubt), system.dt,
+                          system.owner)
     residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
-                          share_left_out(system, left_out, intensity, friction, drift))
+                          share_left_out(system, left_out, intensity, friction, drift), sliding)
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

@@ -5,6 +5,7 @@ Each parameter stands with mean, std and unit; correlations stand at the end. Ed
 std changes just that; the covariance is rebuilt from standard deviations and correlations.
 """
 
+from datetime import datetime
 import hashlib
 import json
 
@@ -75,21 +76,28 @@ def model_content(model):
     scale = np.where(std > 0.0, std, 1.0)
     correlation = model.covariance / np.outer(scale, scale)
     rows = [[_number(correlation[i, k], 12) for k in range(i)] for i in range(len(std))]
-    residuals = model.residuals
     return {
         'schema': SCHEMA,
         'robot': robot.file.content,
         'links_identified': model.links_declared,
         'effects': effects,
-        'residual': {
-            'torque_noise': [_number(v, 4) for v in residuals.rmse],
-            'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
-            'load_share': _number(residuals.load_share, 4),
-            'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]},
+        'residual': _residual_content(model.residuals),
         'recordings': list(model.recordings),
+        'diagnosed': model.diagnosed,
         'temperatures': [float(t) for t in model.temperatures] if model.temperatures else None,
         'links': links,
         'correlations': rows if np.any(model.covariance) else []}
+
+
+def _residual_content(residuals):
+    content = {'torque_noise': [_number(v, 4) for v in residuals.rmse],
+               'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
+               'load_share': _number(residuals.load_share, 4),
+               'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]}
+    if residuals.sliding is not None:
+        content['sliding_residual'] = [_number(v, 4) if np.isfinite(v) else None
+                                       for v in residuals.sliding]
+    return content
 
 
 _HEADER = """\
@@ -97,7 +105,8 @@ _HEADER = """\
 # links: products in pinocchio's order about each joint's frame [kg, kg m, kg m^2].
 # residual: torque_noise [Nm] (held-out RMS), low_frequency_density [Nm^2 s],
 #   load_share: of all variances stated here, the part an estimate of the load suffers from,
-#   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings.
+#   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings,
+#   sliding_residual [Nm] (RMS of means over 0.2 s while sliding, null: not known) when diagnosed.
 # correlations: lower triangle without the diagonal, links first, then effects as listed.
 """
 
@@ -132,13 +141,13 @@ def read_model(path):
                           residual.vector('low_frequency_density', robot.n, 1e-12),
                           _read_drift(residual, robot.n),
                           residual.number('load_share', 1e-3) if residual.has('load_share')
-                          else 1.0)
+                          else 1.0, _read_sliding(residual, robot.n))
     residual.refuse_unknown()
     temperatures = (tuple(section.vector('temperatures', 2))
                     if section.has('temperatures') else None)
     model = TorqueModel(robot, uses, section.flag('links_identified'), mean,
                         _covariance(section, std), residuals,
-                        _read_recordings(section), temperatures)
+                        _read_recordings(section), temperatures, _read_diagnosed(section))
     section.refuse_unknown()
     return model
 
@@ -148,6 +157,28 @@ def _read_recordings(section):
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         section.fail('recordings', 'is not usable', names, 'a list of names')
     return tuple(names)
+
+
+def _read_diagnosed(section):
+    """Return the time of the last diagnosis; files from before it was kept have none."""
+    if not section.has('diagnosed'):
+        return None
+    text = section.text('diagnosed')
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        section.fail('diagnosed', 'is no time', text, "a time as '2026-03-01T14:30:00+01:00'")
+    return text
+
+
+def _read_sliding(section, n):
+    if not section.has('sliding_residual'):
+        return None
+    values = section.get('sliding_residual', f'{n} numbers or null')
+    if not isinstance(values, list) or len(values) != n or not all(
+            v is None or isinstance(v, (int, float)) and 0.0 <= v < np.inf for v in values):
+        section.fail('sliding_residual', 'is not usable', values, f'{n} numbers >= 0 or null')
+    return np.array([np.nan if v is None else v for v in values])
 
 
 def _read_drift(section, n):

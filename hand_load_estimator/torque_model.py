@@ -31,12 +31,15 @@ class Residuals:
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
     deviation between recordings of offset, Coulomb level and viscous coefficient. load_share: of
     all variances the model states, what an estimate of the load suffers from (load_agreement.py).
+    sliding [Nm]: of means over fractions of a second while the joint slides (sliding.py), on data
+    not used for the fit, at the last diagnosis; NaN for a joint without motion then, or None.
     """
 
     rmse: np.ndarray
     intensity: np.ndarray
     drift: np.ndarray
     load_share: float = 1.0
+    sliding: np.ndarray | None = None
 
     @property
     def load_intensity(self):
@@ -51,7 +54,8 @@ class TorqueModel:
 
     uses: EffectUse in the order of their columns; links_declared: whether the links' products
     were identified; mean (P,), covariance (P, P) of x; residuals; recordings it came from;
-    temperatures: (low, high) [degC] seen, or None.
+    temperatures: (low, high) [degC] seen, or None; diagnosed: ISO 8601 time at which it was last
+    held against recordings, by identification or diagnosis, or None.
     """
 
     robot: Robot
@@ -62,6 +66,7 @@ class TorqueModel:
     residuals: Residuals
     recordings: tuple = ()
     temperatures: tuple | None = None
+    diagnosed: str | None = None
 
     @property
     def noise(self):

@@ -17,7 +17,7 @@ JOINT = 1            # of the hidden effect
 TIMES = 2.0          # its coefficient over the declared one
 SECONDS = 12.0
 KEYS = {'schema', 'joints', 'before', 'after', 'noise_floor', 'effects', 'unexplained',
-        'load_error'}
+        'load_error', 'structure'}
 EFFECT_KEYS = {'name', 'joints', 'parameters', 'explained', 'evidence', 'alternatives', 'verdict'}
 
 
@@ -88,12 +88,29 @@ def assert_schema(report, n=4):
         assert set(effect['joints']) <= set(report['joints']) and len(effect['explained']) == n
         assert all(set(p) == {'mean', 'std', 'unit'} for p in effect['parameters'].values())
         assert {'gain', 'gain_std', 'needed'} <= set(effect['evidence'])
+    assert_structure(report['structure'], n)
     error = report['load_error']
     if error is None:
         assert report['load_error_reason']
     else:
         assert set(error) == {'before', 'after'}
         assert all(set(side) == {'mass_rmse', 'com_rmse', 'n'} for side in error.values())
+
+
+def assert_structure(structure, n):
+    """Hold what a report says of where the residual lives to DESIGN section 4."""
+    assert set(structure) == {'variables', 'noise', 'before', 'after'}
+    assert {'position', 'velocity', 'direction', 'acceleration', 'gear torque', 'temperature',
+            'time'} < set(structure['variables']) and len(structure['noise']) == n
+    for side in (structure['before'], structure['after']):
+        assert set(side) == {'torque_rmse', 'structured', 'share', 'chance', 'pairs',
+                             'pairs_chance'}
+        assert list(side['share']) == list(side['chance']) == structure['variables']
+        rows = [side['structured'], *side['share'].values(), *side['chance'].values(),
+                *side['pairs'], *side['pairs_chance']]
+        assert len(rows) == 1 + 2 * len(structure['variables']) + 2 * n
+        assert all(len(row) == n for row in rows)
+        assert all(share is None or 0.0 <= share <= 1.0 for row in rows for share in row)
 
 
 def recorded(out):

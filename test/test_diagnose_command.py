@@ -1,5 +1,6 @@
 """`hand_load diagnose`: report, JSON, a usable model, a fine-tuned artefact."""
 
+from datetime import datetime
 import hashlib
 import json
 import subprocess
@@ -49,6 +50,31 @@ def test_the_hidden_effect_is_named_and_its_error_gone(found):
     before, after = (np.array(found[side]['torque_rmse']) for side in ('before', 'after'))
     assert after[JOINT] < 0.4 * before[JOINT]
     assert (after < 1.1 * before).all() and (after < 1.3 * model().noise).all()
+
+
+def test_the_report_says_where_the_residual_lived(found):
+    """The rubbing joint's follows its velocity, in part only its direction, and then nothing."""
+    before, after = (found['structure'][side] for side in ('before', 'after'))
+    share = {name: values[JOINT] for name, values in before['share'].items()}
+    assert share['velocity'] > 0.8 > share['direction'] and share['position'] < 0.1
+    assert before['pairs'][JOINT][JOINT] > 0.8
+    # All recordings are equally warm.
+    assert set(before['share']['temperature']) == {None}
+    known = [values[JOINT] for values in after['share'].values() if values[JOINT] is not None]
+    assert max(known) < 0.05
+
+
+@pytest.mark.parametrize('out, joint', [('found', JOINT), ('clean', 0)])
+def test_the_model_says_when_it_was_diagnosed_and_what_it_left(folder, found, out, joint):
+    """With an effect added, and as it was where nothing was found."""
+    if out == 'clean':
+        assert diagnosed(folder, 'clean1', '--test', 'clean2', out='clean')[1]['effects'] == []
+    made = read_model(folder / out / 'model.yaml')
+    age = datetime.now().astimezone() - datetime.fromisoformat(made.diagnosed)
+    assert 0.0 <= age.total_seconds() < 600.0
+    # Means over 0.2 s have less noise than single samples.
+    assert 0.0 < made.residuals.sliding[joint] < 1.2 * model().noise[joint]
+    assert read_model(folder / 'old.yaml').diagnosed is None
 
 
 def test_the_load_is_estimated_better(found):

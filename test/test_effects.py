@@ -1,41 +1,18 @@
-"""Effects: columns of the stated shape and physics, through model files and online alike."""
+"""Effects: columns of the stated shape and physics."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
-from core_helpers import (effect_uses, exact_model, four_axes, message_noise, messages,
-                          true_parameters)
+from core_helpers import four_axes
+from effect_helpers import DT, inputs, model_with
 import numpy as np
 import pytest
 
 from hand_load_estimator.effects import EFFECTS, EffectInput
-from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.model_file import model_content, read_model, write_model
-from hand_load_estimator.model_follower import ModelFollower
-from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.play import play_along
 from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, EffectUse, lateness,
-                                                motion_input, parameter_count, torque_columns)
-from hand_load_estimator.torque_model import Residuals, TorqueModel
+                                                parameter_count, torque_columns)
 
-DT = 0.02
-LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 ALWAYS = ('q', 'v', 'a', 'warmth', 'z')
-# Values of the effects that depend on torques, large enough to be seen in one.
-BOUND = {'base_tilt': (0.02, -0.03), 'load_dependent_friction': (0.05,),
-         'backlash': (0.8,), 'torque_scale': (0.04,),
-         'torque_scale_temperature': (2e-3,), 'time_delay': (0.8,)}
-
-
-def inputs(n=4, count=60, seed=0):
-    """Return an EffectInput of random numbers with everything an effect may read."""
-    rng, shape = np.random.default_rng(seed), (60, n)
-    torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
-    return EffectInput(
-        rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
-        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
-        torque, rng.normal(size=shape), rng.normal(size=(*shape, 2)), lateness(torque, dt),
-        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt))
 
 
 def shapes_of(effect, count):
@@ -49,8 +26,6 @@ def of_joint(effect, x, j, value=None):
     shape = {s.name: s.default if value is None else value for s in effect.shapes}
     return effect.columns(x, j, shape)
 
-
-# The columns.
 
 @pytest.mark.parametrize('name', EFFECTS)
 def test_joints_one_by_one_and_together_have_the_same_columns(name):
@@ -237,173 +212,3 @@ def test_friction_is_not_seen_behind_the_gear():
     assert not [name for name in seen if 'friction' in name or name in (
         'rotor_inertia', 'presliding_hysteresis', 'backlash')]
     assert {'base_tilt', 'gravity_spring', 'cable_drag', 'torque_scale', 'time_delay'} <= seen
-
-
-# Whole models.
-
-def model_with(robot, names, values, shape=None):
-    """Return a TorqueModel of nominal links, plain friction and effects of stated values."""
-    plain = effect_uses(robot)
-    added = tuple(EffectUse(name, j, {s.name: (shape or {}).get(s.name, s.default)
-                                      for s in EFFECTS[name].shapes})
-                  for name in names for j in range(robot.n)
-                  if not (EFFECTS[name].whole_arm and j))
-    uses = added if not values else plain + added
-    mean = np.zeros(parameter_count(robot.n, uses))
-    mean[:10 * robot.n] = robot.nominal_links
-    if values:
-        mean[:parameter_count(robot.n, plain)] = true_parameters(robot, plain)
-    for use, where in effect_slices(robot.n, uses):
-        if use.name in values:
-            mean[where] = values[use.name]
-    noise = message_noise(robot)
-    return TorqueModel(robot, uses, False, mean, np.diag((0.01 * mean) ** 2), Residuals(
-        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('made up',), (15.0, 45.0))
-
-
-def filtered(seconds, rate):
-    """Return MotionSamples of a motion at a rate [Hz] through the filter, warm joints."""
-    motion = MotionFilter(4)
-    for joint in range(4):
-        motion.set_temperature(joint, 37.0)
-    found = [motion.update(m.stamp, m.position, m.velocity, m.effort) for m in messages(
-        exact_model('four'), LoadParameters(), seconds, rate=rate, size=1.2, noisy=False)]
-    return [s for s in found if s is not None]
-
-
-def along(model, samples):
-    """Return the Motion of samples, its EffectInput and the torque (N, n) [Nm] of LOAD."""
-    motion = Motion(*(np.array([getattr(s, name) for s in samples])
-                      for name in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    return motion, x, np.array([model.robot.load_regressor(*row) @ LOAD.to_products()
-                                for row in zip(motion.q, motion.v, motion.a)])
-
-
-@pytest.fixture(scope='module')
-def samples():
-    """Return MotionSamples of 5 s at 125 Hz."""
-    return filtered(5.0, 125.0)
-
-
-@pytest.mark.parametrize('name', BOUND)
-def test_online_is_as_offline(name, samples):
-    """The follower, sample by sample, gives what identification had for all rows at once."""
-    model = model_with(four_axes(), (name,), {name: BOUND[name]},
-                       {'shift': 0.05, 'travel': 0.02})
-    motion, x, _ = along(model, samples)
-    columns = torque_columns(model.robot, model.layout, x, model.mean, motion.dt)
-    plain = model.layout.plain_torque(columns, model.mean)
-    bound = columns @ model.mean - plain
-    # An effect that does nothing here would agree in any case.
-    assert (np.sqrt(np.mean(bound ** 2, axis=0)) > 0.005 * np.std(plain, axis=0)).sum() >= 3
-    follower = ModelFollower(model)
-    # What drives report differs from the model's own figure by the effect; here they agree.
-    online = np.array([follower.update(replace(s, effort=tau)).difference
-                       for s, tau in zip(samples, plain)])
-    np.testing.assert_allclose(online, -bound, atol=1e-9)
-
-
-def test_a_restart_forgets_the_torque_before(samples):
-    """After a gap nothing of the torque before it comes late."""
-    model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)}, {'shift': 0.05})
-    plain = model_with(four_axes(), ('time_delay',), {'time_delay': (0.0,)}, {'shift': 0.05})
-    followers = ModelFollower(model), ModelFollower(plain)
-    for sample in samples[100:140]:
-        late, now = (f.update(sample).difference for f in followers)
-    assert np.abs(late - now).max() > 0.1
-    for follower in followers:
-        follower.restart()
-    late, now = (f.update(samples[0]).difference for f in followers)
-    np.testing.assert_allclose(late, now, atol=1e-12)
-
-
-# Not base_tilt: what a leaning base does to a known load is left out of identification.
-@pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature',
-                                  'load_dependent_friction', 'time_delay'])
-def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
-    """K m online is what identification adds to the torque for a known load m."""
-    model = model_with(four_axes(), (name,), {name: BOUND[name]})
-    motion, x, held = along(model, samples)
-    empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, h)
-                   @ model.mean for h in (None, held))
-    if name == 'load_dependent_friction':
-        # The load must turn a gear's torque round somewhere: friction is bent there.
-        gear = columns_of_links(model, x)
-        assert 0.01 < (np.sign(gear) != np.sign(gear + held)).mean() < 0.7
-    follower = ModelFollower(model)
-    follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
-    seen = [follower.update(s) for s in samples]
-    through = np.array([s.effort - p.difference + p.load_columns @ LOAD.to_products()
-                        for s, p in zip(samples, seen)])
-    np.testing.assert_allclose(through, full + held, atol=1e-9)
-    assert np.abs(through - empty - held).max() > 0.02 * np.abs(held).max()
-
-
-def columns_of_links(model, x):
-    """Return the links' torque (N, n) [Nm]."""
-    links = ColumnLayout(model.robot.n, ())
-    return torque_columns(model.robot, links, x) @ model.mean[:links.size]
-
-
-def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
-    """A load that is believed to be held counts as a known one does in identification."""
-    model = model_with(four_axes(), ('backlash',), {'backlash': BOUND['backlash']},
-                       {'travel': 0.02})
-    motion, x, held = along(model, samples)
-    full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, held) @ model.mean
-    belief = SimpleNamespace(mean=LOAD.to_message())
-    followers = ModelFollower(model), ModelFollower(model)
-    followers[1].carry(belief, SimpleNamespace(tared=np.zeros(10)))
-    empty, known = (np.array([s.effort - f.update(s).difference for s in samples])
-                    for f in followers)
-    np.testing.assert_allclose(known, full, atol=1e-9)
-    assert np.abs(empty - full).max() > 0.05
-
-
-@pytest.mark.parametrize('rate', [30.0, 94.0, 500.0])
-def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
-    """Samples are 10 to 33 ms apart, as messages come; the same time is remembered."""
-    # A search goes on between the grid's values and beyond the last.
-    longest = 1.4 * max(EFFECTS['time_delay'].shapes[0].grid)
-    model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)}, {'shift': longest})
-    found = filtered(3.0, rate)
-    motion, x, _ = along(model, found)
-    offline = torque_columns(model.robot, model.layout, x, model.mean, motion.dt) @ model.mean
-    follower = ModelFollower(model)
-    online = np.array([s.effort - follower.update(s).difference for s in found])
-    np.testing.assert_allclose(online, offline, atol=1e-9)
-
-
-def test_the_model_file_keeps_tilt_and_ripple(tmp_path):
-    """An effect of the whole arm stands once, with all joints; a ripple keeps its period."""
-    names = ('base_tilt', 'torque_ripple', 'backlash', 'time_delay')
-    values = {'base_tilt': (0.01, -0.02), 'torque_ripple': (0.3, -0.2, 0.1, 0.05),
-              'backlash': (0.1,), 'time_delay': (0.7,)}
-    model = model_with(four_axes(), names, values, {'periods': 61.37, 'shift': 0.0171})
-    entries = [e for e in model_content(model)['effects'] if e['name'] == 'base_tilt']
-    assert [e['joints'] for e in entries] == [list(model.robot.joints)]
-    write_model(tmp_path / 'model.yaml', model)
-    back = read_model(tmp_path / 'model.yaml')
-    assert back.uses == model.uses
-    x = replace(inputs(), gear=None, drive=None, rate=None, tilt=None, late=None, play=None)
-    one, two = (torque_columns(m.robot, m.layout, x, m.mean, np.full(60, DT)) @ m.mean
-                for m in (model, back))
-    np.testing.assert_allclose(two, one, rtol=1e-6, atol=1e-6)
-    without = replace(model, mean=np.where(np.arange(len(model.mean)) < parameter_count(
-        4, effect_uses(model.robot)), model.mean, 0.0))
-    assert np.abs(torque_columns(model.robot, model.layout, x, without.mean, np.full(60, DT))
-                  @ without.mean - one).max() > 0.5
-
-
-def test_planning_knows_the_effects_too():
-    """TorqueModel.torque: base tilt counts while the arm stands, a delay does not."""
-    tilted = model_with(four_axes(), ('base_tilt', 'time_delay'),
-                        {'base_tilt': (0.02, 0.0), 'time_delay': (1.0,)})
-    plain = model_with(four_axes(), ('base_tilt', 'time_delay'),
-                       {'base_tilt': (0.0, 0.0), 'time_delay': (0.0,)})
-    q, zero = np.array([0.3, 0.5, -0.7, 0.9]), np.zeros(4)
-    expected = tilted.robot.tilt_regressor(q, tilted.robot.nominal_links) @ [0.02, 0.0]
-    np.testing.assert_allclose(tilted.torque(q, zero, zero) - plain.torque(q, zero, zero),
-                               expected, atol=1e-12)
-    assert np.abs(expected).max() > 0.05

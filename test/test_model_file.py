@@ -26,8 +26,9 @@ def model():
     mean = rng.normal(size=size) * 10.0 ** rng.uniform(-4, 1, size)
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
     return TorqueModel(robot, uses, True, mean, root @ root.T, Residuals(
-        rng.uniform(0.1, 2.0, 4), rng.uniform(1e-3, 1e-1, 4), rng.uniform(0.0, 0.3, (4, 3))),
-        ('one', 'two: with a colon'), (14.5, 51.0))
+        rng.uniform(0.1, 2.0, 4), rng.uniform(1e-3, 1e-1, 4), rng.uniform(0.0, 0.3, (4, 3)),
+        np.array([0.31, np.nan, 0.12, 0.05])), ('one', 'two: with a colon'), (14.5, 51.0),
+        '2026-03-01T14:30:00+01:00')
 
 
 @pytest.fixture
@@ -55,7 +56,8 @@ def test_round_trip(model, tmp_path):
     np.testing.assert_allclose(back.mean, model.mean, rtol=1e-7)
     assert back.uses == model.uses and back.links_declared == model.links_declared
     assert back.recordings == model.recordings and back.temperatures == model.temperatures
-    for name in ('rmse', 'intensity', 'drift'):
+    assert back.diagnosed == model.diagnosed
+    for name in ('rmse', 'intensity', 'drift', 'sliding'):
         np.testing.assert_allclose(getattr(back.residuals, name),
                                    getattr(model.residuals, name), rtol=1e-3)
     np.testing.assert_array_equal(back.robot.nominal_links, model.robot.nominal_links)
@@ -77,6 +79,15 @@ def test_writing_what_was_read_changes_nothing(model, tmp_path):
     write_model(tmp_path / 'one.yaml', model)
     write_model(tmp_path / 'two.yaml', read_model(tmp_path / 'one.yaml'))
     assert (tmp_path / 'one.yaml').read_text() == (tmp_path / 'two.yaml').read_text()
+
+
+def test_a_file_from_before_diagnoses_were_dated_still_loads(model, content, tmp_path):
+    del content['diagnosed'], content['residual']['sliding_residual']
+    back = read_model(written(tmp_path, content))
+    assert back.diagnosed is None and back.residuals.sliding is None
+    np.testing.assert_allclose(back.mean, model.mean, rtol=1e-7)
+    again = model_content(back)
+    assert again['diagnosed'] is None and 'sliding_residual' not in again['residual']
 
 
 def test_a_model_moves_without_its_robot_file(tmp_path):
@@ -181,6 +192,14 @@ WRONG = {
                      'low_frequency_density'),
     'drift of two': (change('residual', 'drift_std', to=[[1.0, 1.0]] * 4), 'drift_std'),
     'drift negative': (change('residual', 'drift_std', to=[[-1.0, 1.0, 1.0]] * 4), 'drift_std'),
+    'diagnosed some day': (change('diagnosed', to='on Monday'), 'diagnosed'),
+    'diagnosed a number': (change('diagnosed', to=2026), 'diagnosed'),
+    'sliding residual of three': (change('residual', 'sliding_residual', to=[1.0, 1.0, None]),
+                                  'sliding_residual'),
+    'sliding residual negative': (change('residual', 'sliding_residual', to=[-1.0] * 4),
+                                  'sliding_residual'),
+    'sliding residual a text': (change('residual', 'sliding_residual', to='small'),
+                                'sliding_residual'),
     'residual unknown key': (change('residual', 'colour', to=1), 'colour'),
     'temperatures of one': (change('temperatures', to=[20.0]), 'temperatures'),
     'recordings a number': (change('recordings', to=5), 'recordings'),

@@ -35,7 +35,9 @@ def files(tmp_path):
     wrong = right.mean.copy()
     offsets = [where.start for use, where in right.slices() if use.name == 'torque_offset']
     wrong[offsets[1]] += 20.0
-    write_model(tmp_path / 'right.yaml', replace(right, recordings=('run 1', 'run 2')))
+    write_model(tmp_path / 'right.yaml', replace(
+        right, recordings=('run 1', 'run 2'), diagnosed='2026-03-01T14:30:00+00:00',
+        residuals=replace(right.residuals, sliding=0.5 * right.residuals.rmse)))
     write_model(tmp_path / 'wrong.yaml', replace(right, mean=wrong, recordings=('old run',)))
     write_model(tmp_path / 'joints.yaml', exact_model('four'))
     write_model(tmp_path / 'current.yaml', exact_model('ur10e_current'))
@@ -159,6 +161,10 @@ def test_an_aged_model_is_told(estimator, feeder, listener, files):
     message, values = estimator.said('model')
     assert message.startswith('model has aged: elbow_joint residual ')
     assert 'times the stated since' in message and 's of motion' in message
+    assert 'since the diagnosis of 2026-03-01 14:30 residual of elbow_joint has grown' in message
+    assert values['diagnosed'] == '2026-03-01T14:30:00+00:00'
+    assert float(values['residual elbow_joint [Nm]']) > 2.0 * float(
+        values['residual elbow_joint at the last diagnosis [Nm]'])
     assert float(values['residual ratio elbow_joint']) > 1.5
     assert float(values['motion judged elbow_joint [s]']) > 15.0
     estimator.reload()

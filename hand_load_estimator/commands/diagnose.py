@@ -38,7 +38,7 @@ def run(args):
     from ..residual.diagnose import diagnose
     from ..residual.load_error import with_load_errors
     from ..shared_files import find_shared
-    from .identify import placed
+    from .identify import dated, placed
     model = read_model(find_shared(args.model, 'models'))
     start = args.fine_tune and _artefact(args.fine_tune, model.robot)
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
@@ -48,7 +48,7 @@ def run(args):
     diagnosis = with_load_errors(diagnosis, model, better, tests)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
-    write_model(out / 'model.yaml', better)
+    write_model(out / 'model.yaml', dated(better, diagnosis.sliding))
     if start and better is model:
         _say('nothing was added to the model: the artefact is left as it is')
     elif start:
@@ -58,7 +58,8 @@ def run(args):
                                      out / 'learned', tests, _say)
     content = diagnosis_content(diagnosis)
     if diagnosis.correction is not None:
-        write_model(out / 'model_with_correction.yaml', diagnosis.correction.model)
+        write_model(out / 'model_with_correction.yaml',
+                    dated(diagnosis.correction.model, diagnosis.correction.sliding))
     (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
     write_page(out / 'report.html', diagnosis)
     print(json.dumps(content) if args.json else f'{headline(diagnosis)}\n{out / "report.html"}')

@@ -1,5 +1,7 @@
 """`hand_load identify`: a torque model from recordings without load, or with a known one."""
 
+from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 import sys
 
@@ -51,9 +53,15 @@ def run(args):
     evidence = read_evidence(robot, args)
     effects = args.effects.split(',') if args.effects else None
     model = identify(robot, evidence, effects, progress=_say)
-    write_model(args.out, model)
+    write_model(args.out, dated(model, model.residuals.sliding))
     _report(model, args.out)
     return 0
+
+
+def dated(model, sliding):
+    """Return a TorqueModel that was diagnosed now; sliding (n,) [Nm] as of Residuals."""
+    now = datetime.now().astimezone().isoformat(timespec='seconds')
+    return replace(model, diagnosed=now, residuals=replace(model.residuals, sliding=sliding))
 
 
 def known_load(recording):

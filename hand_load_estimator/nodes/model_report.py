@@ -2,7 +2,12 @@
 
 from datetime import datetime
 
+import numpy as np
+
 from .diagnostics import OK, WARN
+
+# A residual within this factor of the one at the last diagnosis has not grown since.
+GROWN = 1.2
 
 
 def report_model(pipeline, written, base):
@@ -11,29 +16,54 @@ def report_model(pipeline, written, base):
 
     written: time its file was last written [s since 1970]; base: StampBase of the input.
     """
-    watch = pipeline.watch
-    values = {f'residual ratio {joint}': float(ratio)
-              for joint, ratio in zip(pipeline.model.robot.joints, watch.ratio)}
-    values |= {f'motion judged {joint} [s]': float(seconds)
-               for joint, seconds in zip(pipeline.model.robot.joints, watch.seconds)}
+    watch, model = pipeline.watch, pipeline.model
+    values = _of_joints('residual ratio {}', model, watch.ratio)
+    values |= _of_joints('residual {} [Nm]', model, watch.residual)
+    values |= _of_joints('residual {} at the last diagnosis [Nm]', model, _diagnosed(model))
+    values |= _of_joints('motion judged {} [s]', model, watch.seconds)
     values['file'] = pipeline.model_file
     values['written'] = _date(written)
-    values['recordings'] = ', '.join(pipeline.model.recordings) or 'none'
+    values['diagnosed'] = model.diagnosed or 'not known'
+    values['recordings'] = ', '.join(model.recordings) or 'none'
     aged = watch.aged
     if aged:
         values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))
-        return WARN, f'model has aged: {", ".join(_told(a, base) for a in aged)}', values
+        told = [f'{_told(a, base)}{_since_diagnosis(a, model)}' for a in aged]
+        return WARN, f'model has aged: {"; ".join(told)}', values
     if not watch.enough.all():
-        few = [joint for joint, enough in zip(pipeline.model.robot.joints, watch.enough)
-               if not enough]
+        few = [joint for joint, enough in zip(model.robot.joints, watch.enough) if not enough]
         return OK, f'too little motion yet to judge {", ".join(few)}', values
     return OK, 'residuals are what the model states', values
+
+
+def _of_joints(key, model, numbers):
+    """Return {key with the joint's name: number}, without what is not known."""
+    return {key.format(joint): float(number)
+            for joint, number in zip(model.robot.joints, numbers) if np.isfinite(number)}
+
+
+def _diagnosed(model):
+    """Return the residual (n,) [Nm] at the last diagnosis, NaN where it is not known."""
+    known = model.residuals.sliding
+    return np.full(model.robot.n, np.nan) if known is None else known
 
 
 def _told(aged, base):
     since = datetime.fromtimestamp(_wall(aged.since, base)).strftime('%H:%M:%S')
     return (f'{aged.joint} residual {aged.ratio:.1f} times the stated since {since} '
             f'({aged.motion:.0f} s of motion)')
+
+
+def _since_diagnosis(aged, model):
+    """Return in words how a joint's residual compares with the last diagnosis, if it is known."""
+    then = _diagnosed(model)[model.robot.joints.index(aged.joint)]
+    if model.diagnosed is None or not np.isfinite(then):
+        return ''
+    day = datetime.fromisoformat(model.diagnosed).strftime('%Y-%m-%d %H:%M')
+    if aged.residual > GROWN * then:
+        return (f', since the diagnosis of {day} residual of {aged.joint} has grown from '
+                f'{then:.3g} to {aged.residual:.3g} Nm')
+    return f', at the diagnosis of {day} it was {then:.3g} Nm already, now {aged.residual:.3g} Nm'
 
 
 def _wall(seconds, base):

@@ -54,6 +54,31 @@ def _both_load_errors(of):
     return {'before': _one_load_error(of.load_before), 'after': _one_load_error(of.load_after)}
 
 
+def _part(share):
+    """Return a share cut to [0, 1], None where it is not known."""
+    return _number(min(max(share, 0.0), 1.0))
+
+
+def _parts(shares):
+    return {name: [_part(value) for value in values] for name, values in shares.items()}
+
+
+def _side(structure):
+    return {'torque_rmse': _numbers(structure.rms),
+            'structured': [_part(share) for share in structure.structured],
+            'share': _parts(structure.share), 'chance': _parts(structure.chance),
+            'pairs': [[_part(share) for share in row] for row in structure.pairs],
+            'pairs_chance': [[_part(share) for share in row] for row in structure.pairs_chance]}
+
+
+def _structure(structure):
+    if structure is None:
+        return None
+    before, after = structure
+    return {'variables': list(before.share), 'noise': _numbers(before.noise),
+            'before': _side(before), 'after': _side(after)}
+
+
 def _learned(fine_tuning):
     if fine_tuning is None:
         return {'done': 'kept'}
@@ -81,5 +106,5 @@ def diagnosis_content(diagnosis):
         'correction': None if diagnosis.correction is None else {
             'model': 'model_with_correction.yaml',
             'torque_rmse': _numbers(diagnosis.correction.after)},
-        'learned': _learned(diagnosis.fine_tuning),
+        'structure': _structure(diagnosis.structure), 'learned': _learned(diagnosis.fine_tuning),
         'seconds': _number(diagnosis.seconds)}

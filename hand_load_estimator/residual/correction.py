@@ -13,11 +13,12 @@ FUNCTIONS = {'velocity': ('learned_velocity_correction', 'v'),
              'position': ('learned_position_correction', 'q')}
 
 
-def offered(model, findings, evidence, errors):
+def offered(model, findings, evidence, judged):
     """
     Return the Correction of unknown effects that follow one variable of their joint, or None.
 
-    model: the better TorqueModel; errors(TorqueModel) -> RMSE (n,) on test data.
+    model: the better TorqueModel; judged(TorqueModel) -> RMSE (n,) on test data, and the residual
+    there while joints slide (n,), as of Residuals.
     """
     uses = list(model.uses)
     for finding in findings:
@@ -31,7 +32,7 @@ def offered(model, findings, evidence, errors):
     if len(uses) == len(model.uses):
         return None
     corrected = identified_again(model, tuple(uses), evidence)
-    return Correction(corrected, errors(corrected))
+    return Correction(corrected, *judged(corrected))
 
 
 def with_correction(diagnosis, correction):

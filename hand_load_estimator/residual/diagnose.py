@@ -6,6 +6,7 @@ import time
 import numpy as np
 
 from ..identification import prior
+from ..sliding import sliding_rms
 from .add import better_model, made_from
 from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
@@ -17,6 +18,7 @@ from .findings import findings_of, refuted
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
+from .structure import structures
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
@@ -63,14 +65,18 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, model.robot.joints, before, after)
+    progress('telling where the residual lives')
+    structure = structures(model, better, residual, evidence, warmed)
     cannot = [*sentences, *still.values(), *limited,
               *_nearly(model.robot, trace, findings, _structured(after, floor))]
-    correction = offered(better, findings, evidence, lambda m: _errors(old, m, test)[1])
+    correction = offered(better, findings, evidence,
+                         lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=names,
         tested_on=tested_on, seconds=time.monotonic() - began,
-        remains=doubts + _remains(model.robot, after, floor)), correction), better
+        remains=doubts + _remains(model.robot, after, floor), structure=structure,
+        sliding=_sliding(better if again else old, test)), correction), better
 
 
 def _residual(model, evidence):
@@ -121,6 +127,12 @@ def _errors(model, better, test):
     floor = noise_floor(new)
     before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
+
+
+def _sliding(model, test):
+    """Return what a model leaves of test data while joints slide (n,) [Nm]."""
+    residual = find_residual(model, test, cut=False)
+    return sliding_rms(residual.residual, residual.sliding, residual.dt, residual.owner)
 
 
 def _rms(errors):

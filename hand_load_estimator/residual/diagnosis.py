@@ -78,10 +78,15 @@ class Finding:
 
 @dataclass(frozen=True)
 class Correction:
-    """A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its error."""
+    """
+    A TorqueModel with learned functions for what is unknown; after (n,) [Nm]: its error.
+
+    sliding (n,) [Nm]: what it leaves while joints slide, as of Residuals.
+    """
 
     model: object
     after: np.ndarray
+    sliding: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -108,6 +113,31 @@ class FineTuning:
 
 
 @dataclass(frozen=True)
+class Structure:
+    """
+    Where a residual lives, joint by joint, on the recordings that were diagnosed.
+
+    rms, noise (n,) [Nm]: while the joint slides, and what of it is noise; share, chance:
+    {variable: (n,)}: what a function of the variable, fitted to other blocks, foretells of the
+    variance that was structure before anything was added, and up to what share that may be
+    chance; pairs, pairs_chance (n, n): the same of joint j (row) by what the motion of joint i
+    (column) adds to j's own, and on the diagonal by j's own. NaN: not to be told.
+    """
+
+    rms: np.ndarray
+    noise: np.ndarray
+    share: dict
+    chance: dict
+    pairs: np.ndarray
+    pairs_chance: np.ndarray
+
+    @property
+    def structured(self):
+        """Share (n,) of the variance that is no noise."""
+        return 1.0 - (self.noise / np.maximum(self.rms, 1e-12)) ** 2
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """
     The whole result; (n,) arrays are per joint.
@@ -117,7 +147,9 @@ class Diagnosis:
     is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
-    it; fine_tuning: what became of the learned artefact, None where it was left as it is.
+    it; fine_tuning: what became of the learned artefact, None where it was left as it is;
+    structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model
+    leaves now while joints slide, as of Residuals, or None.
     """
 
     robot: str
@@ -137,3 +169,5 @@ class Diagnosis:
     remains: tuple = ()
     correction: Correction | None = None
     fine_tuning: FineTuning | None = None
+    structure: tuple | None = None
+    sliding: np.ndarray | None = None

@@ -8,6 +8,7 @@ from ..effects import EFFECTS, EffectInput
 from ..identification import recording_numbers
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
+from ..sliding import surely_slides
 from ..torque_columns import (EffectUse, lateness, motion_input, play_columns, tilt_columns,
                               torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
@@ -34,7 +35,8 @@ class Residual:
 
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
     [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
-    starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides;
+    starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides, sliding
+    (N, n): by the stricter measure of the watch;
     expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by; noise
     (n,) [Nm]: what is surely no more than noise of what the model leaves.
     """
@@ -49,6 +51,7 @@ class Residual:
     starts: np.ndarray
     folds: np.ndarray
     moving: np.ndarray
+    sliding: np.ndarray
     expected: np.ndarray
     noise: np.ndarray
     _paths: dict = field(default_factory=dict)
@@ -141,7 +144,8 @@ def _of_recording(model, evidence, compared):
     weights = np.where(turning, 0.0, motion.dt[:, None] / density)
     moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
-            'dt': motion.dt, 'time': motion.stamp, 'moving': moving}
+            'dt': motion.dt, 'time': motion.stamp, 'moving': moving,
+            'sliding': surely_slides(x.v, x.z, doubt)}
 
 
 def noise_floor(residual):

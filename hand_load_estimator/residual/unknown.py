@@ -3,7 +3,7 @@
 import numpy as np
 
 from .diagnosis import SUSPECTED, UNKNOWN, Evidence, Finding, Picture
-from .hypotheses import KNOTS, VARIABLES, hats
+from .structure import followed
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
 SHARE, TIMES_NOISE = 0.5, 1.5
@@ -45,40 +45,15 @@ def unknown_left(model, residual, rest, left, trace):
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
-    followed = {j: _followed(model.robot, residual, rest[:, j], j) for j in joints}
-    found = [_finding(model, residual, rest, [j], followed[j], {}, trace.trials)
-             for j in joints if followed[j]]
-    restless = [j for j in joints if not followed[j]]
+    follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
+    found = [_finding(model, residual, rest, [j], variable, {}, trace.trials)
+             for j, (variable, share) in follows.items() if share > FOLLOWS]
+    restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if restless:
         frequency, share = rhythm(residual, rest[:, restless])
         parameters = {'frequency': (frequency, float('nan'), 'Hz')} if share > RHYTHMIC else {}
         found.append(_finding(model, residual, rest, restless, 'time', parameters, trace.trials))
     return tuple(found)
-
-
-def _variables(robot, residual, j):
-    """Yield (name, values (N,)): the joint's own variables, then its neighbours' velocities."""
-    for name, attribute in VARIABLES.items():
-        yield name, getattr(residual.x, attribute)[:, j]
-    for other in (j - 1, j + 1):
-        if 0 <= other < robot.n:
-            yield f'velocity of {robot.joints[other]}', residual.x.v[:, other]
-
-
-def _followed(robot, residual, rest, j):
-    """Return the variable of which `rest` (N,) is most a function, or an empty string."""
-    rows = residual.moving[:, j]
-    whole = float((rest[rows] ** 2).sum())
-    best, variable = FOLLOWS * whole, ''
-    for name, values in _variables(robot, residual, j):
-        columns = hats(values[rows], KNOTS)
-        if columns.shape[1] < 4:
-            continue
-        fit, *_ = np.linalg.lstsq(columns, rest[rows], rcond=1e-8)
-        explained = whole - float(((rest[rows] - columns @ fit) ** 2).sum())
-        if explained > best:
-            best, variable = explained, name
-    return variable
 
 
 def _finding(model, residual, rest, joints, variable, parameters, trials):

@@ -13,12 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..load import products_from_message, products_jacobian_of_message
+from ..sliding import BLOCK, LEAST, surely_slides
 
-# A joint slides when it is this fast [rad/s] and its friction has turned all the way, surely.
-SLIDING_SPEED, TURNED, DOUBT = 0.03, 0.98, 0.05
-# Length of a block, one of those the density was read from, and the least of it that counts
-# [s of motion]. Longer ones lose ripple, and friction where a joint turns around.
-BLOCK, LEAST = 0.2, 0.1
 # The load's torque is known when its variance is at most so many times the one the model states.
 LOAD_KNOWN = 4.0
 # Blocks are looked at so many at a time; the newest wait, for a load change to be noticed that
@@ -35,12 +31,17 @@ LIMIT, CALM = 1.75, 1.4
 
 @dataclass(frozen=True)
 class Aged:
-    """A joint with `ratio` times the stated residual since `since` [s], for `motion` [s] of it."""
+    """
+    A joint with `ratio` times the stated residual since `since` [s], for `motion` [s] of it.
+
+    residual [Nm]: the residual itself.
+    """
 
     joint: str
     ratio: float
     since: float
     motion: float
+    residual: float
 
 
 @dataclass(frozen=True)
@@ -97,10 +98,15 @@ class _Block:
         return density / np.maximum(self.seconds, LEAST)
 
     def squares(self, density, load):
-        """Return the squared ratio (n,) of what a load leaves to what may be left, up to a cap."""
+        """
+        Return the squared ratio (n,) of what a load leaves to what may be left, up to a cap.
+
+        Beside it what is left, squared (n,) [Nm^2], up to the same cap.
+        """
         left = self.difference - self.columns @ load.products
         expected = self.stated(density) + self.uncertain + load.variance(self.columns)
-        return np.minimum(left ** 2 / expected, CAP ** 2)
+        ratio = np.minimum(left ** 2 / expected, CAP ** 2)
+        return ratio, ratio * expected
 
 
 class ResidualWatch:
@@ -108,14 +114,15 @@ class ResidualWatch:
     Follow each joint's residual against what the torque model states of it.
 
     joints: names; density (n,) [Nm^2 s]: stated of the residual at low frequencies. ratio (n,):
-    residual over the stated one, 1 or less for a model that keeps its word, at most CAP; seconds
-    (n,): motion it was judged by, all in all.
+    residual over the stated one, 1 or less for a model that keeps its word, at most CAP; residual
+    (n,) [Nm]: that residual, to be held against Residuals.sliding; seconds (n,): motion it was
+    judged by, all in all.
     """
 
     def __init__(self, joints, density):
         n = len(joints)
         self._joints, self._density = joints, density
-        self._square, self.seconds = np.zeros(n), np.zeros(n)
+        self._square, self._torque, self.seconds = np.zeros(n), np.zeros(n), np.zeros(n)
         self._since, self._before = np.full(n, np.nan), np.zeros(n)
         self._aged = np.zeros(n, dtype=bool)
         self.forget_load()
@@ -131,6 +138,11 @@ class ResidualWatch:
         return np.sqrt(self._square)
 
     @property
+    def residual(self):
+        """What load and model leave (n,) [Nm]."""
+        return np.sqrt(self._torque)
+
+    @property
     def enough(self):
         """Whether each joint (n,) has moved enough to be judged."""
         return self.seconds >= ENOUGH
@@ -139,14 +151,13 @@ class ResidualWatch:
     def aged(self):
         """The Aged joints, worst first."""
         found = [Aged(self._joints[j], float(self.ratio[j]), float(self._since[j]),
-                      float(self.seconds[j] - self._before[j]))
+                      float(self.seconds[j] - self._before[j]), float(self.residual[j]))
                  for j in np.flatnonzero(self._aged)]
         return tuple(sorted(found, key=lambda aged: -aged.ratio))
 
     def update(self, sample, prediction, method):
         """Take a MotionSample, its Prediction and the Method that has seen them."""
-        sliding = (np.abs(sample.v) > SLIDING_SPEED) & (prediction.doubt < DOUBT) \
-            & (np.abs(prediction.z) > TURNED)
+        sliding = surely_slides(sample.v, prediction.z, prediction.doubt)
         if not sliding.any():
             return
         if self._block is None:
@@ -181,7 +192,7 @@ class ResidualWatch:
             last, first = seen - RECENT, sum(block.changes < new.changes for block in blocks)
         else:
             # A change is noticed late: it was where the two loads together explain most.
-            explained = [np.array([block.squares(self._density, load).sum()
+            explained = [np.array([block.squares(self._density, load)[0].sum()
                                    for block in blocks]) for load in (old, new)]
             costs = np.concatenate([[0.0], np.cumsum(explained[0] - explained[1])])
             middle = int(np.argmin(costs[:seen + 1]))
@@ -196,7 +207,9 @@ class ResidualWatch:
         self.seconds += seconds
         # A plain mean until there is as much as the memory holds.
         share = seconds / np.maximum(np.minimum(self.seconds, MEMORY), 1e-9)
-        self._square += share * (block.squares(self._density, load) - self._square)
+        square, torque = block.squares(self._density, load)
+        self._square += share * (square - self._square)
+        self._torque += share * (torque - self._torque)
         self._note(block.stamp, before)
 
     def _note(self, stamp, before):

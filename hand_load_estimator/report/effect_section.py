@@ -1,0 +1,149 @@
+"""The section of a diagnosis page on one finding: what, where, how large, why it is believed."""
+
+import math
+from html import escape
+
+from ..effects import EFFECTS
+from ..residual.confusable import NO_MOTION
+from ..residual.diagnosis import CONFIRMED, UNKNOWN
+from .diagnosis_figures import effect_svg
+from .page_parts import html_image, html_table
+from .words import (as_sentence, items_html, label_html, list_text, name_words, number_text,
+                    quantity_html, share_text)
+
+# Findings that are no entry of the vocabulary of joint effects.
+_PHYSICS = {
+    UNKNOWN: 'None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
+             'it repeats with the variables shown below. A person who knows the drive should '
+             'look at the picture before anything is added to the model.',
+    'link_inertia': 'Mass, centre of mass or inertia of a link differ from the model\'s.',
+    'external_contact': 'Something outside pushed the hand for a limited time, with one force in '
+                        'the axes of the base.',
+    'load_change': 'For a time another load hung on the hand than the recording declares. The '
+                   'mass is the change: negative where the declared load, or part of it, is gone.'}
+
+
+def where(finding, joints):
+    """Return the joints of a finding as the subject of a sentence."""
+    if len(finding.joints) == 1:
+        return f'Joint {finding.joints[0]}'
+    if set(finding.joints) == set(joints):
+        return 'All joints'
+    return f'Joints {list_text(finding.joints)}' if len(finding.joints) < 4 else \
+        f'{len(finding.joints)} joints'
+
+
+def what(finding):
+    """Return what a finding says of its joints, to stand behind them."""
+    name = 'an effect of unknown kind' if finding.name == UNKNOWN else name_words(finding.name)
+    sure = finding.verdict == CONFIRMED
+    if finding.changed:
+        return f'{name} {"has" if sure else "may have"} changed'
+    return f'{name} {"found" if sure else "suspected"}'
+
+
+def badges_html(finding):
+    """Return the verdict on a finding as HTML."""
+    badges = [finding.verdict] + ['changed'] * finding.changed
+    return ' '.join(f'<span class="badge {escape(b)}">{escape(b)}</span>' for b in badges)
+
+
+def _physics(finding):
+    """Return what the effect is and where its formula comes from."""
+    effect = EFFECTS.get(finding.name)
+    if effect is not None:
+        text = (f'{escape(as_sentence(effect.physics))}. '
+                f'<span class="quiet">Source: {escape(effect.source)}.</span>')
+    else:
+        text = escape(_PHYSICS.get(finding.name, ''))
+    if finding.changed:
+        text += ' The model had this effect already; the figures below replace its former ones.'
+    if finding.recording:
+        text += (f' It happened in <strong>{escape(finding.recording)}</strong>; times count from '
+                 'its first sample. Those samples are left out of everything else in this report.')
+    if finding.variables:
+        text += f' {_dependence(finding)}'
+    return f'<p>{text}</p>' if text else ''
+
+
+def _dependence(finding):
+    """Return the variables of a finding as a sentence; time alone is the lack of any other."""
+    if finding.variables != ('time',):
+        return f'It depends on {escape(list_text(finding.variables))}.'
+    text = ('It follows none of position, velocity, acceleration and gear torque of its joints, '
+            'nor a neighbour\'s velocity, closely')
+    return f'{text}; it rings with one frequency.' if 'frequency' in finding.parameters else \
+        f'{text}.'
+
+
+def _parameters(finding):
+    rows = [[label_html(name_words(name)), quantity_html(*figures)]
+            for name, figures in finding.parameters.items()]
+    return html_table(['parameter', 'value ± 2 standard deviations'], rows) if rows else ''
+
+
+def _pictures(finding):
+    images = [html_image(effect_svg(p), f'Residual torque of {p.joint} in Nm against '
+                         f'{p.variable}, with the fitted effect and its 95 % band')
+              for p in finding.pictures]
+    return f'<div class="pictures">{"".join(images)}</div>' if images else ''
+
+
+def _gain(finding):
+    """Return why a finding is believed, in nats."""
+    e = finding.evidence
+    if finding.recording:
+        return ('The samples of that time are more likely with it by '
+                f'<strong>{number_text(e.gain)} nats</strong>, all that the arm usually does fitted beside it. Needed: '
+                f'{number_text(e.needed)} nats, with {e.hypotheses} intervals tried.')
+    return (
+        'On data not used for its fit the model with it gains '
+        f'<strong>{number_text(e.gain)} ± {number_text(2.0 * e.gain_std)} nats</strong> of '
+        f'log-likelihood (± 2 standard errors over {e.blocks} blocks). Needed: '
+        f'{number_text(e.needed)} nats, with {e.hypotheses} hypotheses tried.')
+
+
+def _evidence(finding, joints):
+    e = finding.evidence
+    if not math.isfinite(e.gain):
+        return '<h3>Evidence</h3>' + items_html([
+            f'Nothing was fitted: this is what is left after {e.hypotheses} hypotheses tried.',
+            f'Its torque: {number_text(e.rms)} Nm RMS at the strongest joint.'])
+    shares = [f'{share_text(s)} at {label_html(name)}'
+              for name, s in zip(joints, finding.explained) if name in finding.joints]
+    rival = 'No other explanation came close enough to be named.'
+    if e.next_best is not None:
+        behind = f', {number_text(e.margin)} nats behind' if e.margin is not None else ''
+        rival = f'Next best explanation: {escape(name_words(e.next_best))}{behind}.'
+    return '<h3>Evidence</h3>' + items_html([
+        _gain(finding), rival,
+        f'Share of the residual\'s variance it explains: {list_text(shares)}. '
+        f'Its torque: {number_text(e.rms)} Nm RMS at the strongest joint.'])
+
+
+def _doubt(finding):
+    """Return what these recordings cannot tell from the finding, and the motion that would."""
+    if not finding.alternatives and not finding.advice:
+        return ''
+    names = escape(list_text(map(name_words, finding.alternatives)))
+    text = f'These recordings cannot tell it from <strong>{names}</strong>. ' if names else ''
+    return f'<p class="note">{text}{_advice(finding)}</p>'
+
+
+def _advice(finding):
+    """Return the advice as a sentence; that of `unknown` is one, others name a motion or none."""
+    if not finding.advice:
+        return ''
+    text = f'{escape(finding.advice.rstrip("."))}.'
+    if finding.name == UNKNOWN or finding.advice.startswith(NO_MOTION):
+        return as_sentence(text)
+    return f'A motion that would: {text}'
+
+
+def effect_section(number, finding, joints):
+    """Return the HTML section of the finding of a number; joints: names of all of the arm's."""
+    name = 'unknown effect' if finding.name == UNKNOWN else name_words(finding.name)
+    title = f'{as_sentence(name)} – {where(finding, joints)}'
+    return (f'<section id="effect-{number}"><h2>{label_html(title)}</h2>'
+            f'<p>{badges_html(finding)}</p>' + _physics(finding) + _pictures(finding) + _parameters(finding) + _doubt(finding)
+            + _evidence(finding, joints) + '</section>')

@@ -1,0 +1,43 @@
+"""Inputs that effects read, and models with chosen effects of stated values."""
+
+from core_helpers import effect_uses, message_noise, true_parameters
+import numpy as np
+
+from hand_load_estimator.effects import EFFECTS, EffectInput
+from hand_load_estimator.play import play_along
+from hand_load_estimator.torque_columns import (effect_slices, EffectUse, lateness,
+                                                parameter_count)
+from hand_load_estimator.torque_model import Residuals, TorqueModel
+
+DT = 0.02
+
+
+def inputs(n=4, count=60, seed=0):
+    """Return an EffectInput of random numbers with everything an effect may read."""
+    rng, shape = np.random.default_rng(seed), (60, n)
+    torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
+    return EffectInput(
+        rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
+        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
+        torque, rng.normal(size=shape), rng.normal(size=(*shape, 2)), lateness(torque, dt),
+        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt))
+
+
+def model_with(robot, names, values, shape=None):
+    """Return a TorqueModel of nominal links, plain friction and effects of stated values."""
+    plain = effect_uses(robot)
+    added = tuple(EffectUse(name, j, {s.name: (shape or {}).get(s.name, s.default)
+                                      for s in EFFECTS[name].shapes})
+                  for name in names for j in range(robot.n)
+                  if not (EFFECTS[name].whole_arm and j))
+    uses = added if not values else plain + added
+    mean = np.zeros(parameter_count(robot.n, uses))
+    mean[:10 * robot.n] = robot.nominal_links
+    if values:
+        mean[:parameter_count(robot.n, plain)] = true_parameters(robot, plain)
+    for use, where in effect_slices(robot.n, uses):
+        if use.name in values:
+            mean[where] = values[use.name]
+    noise = message_noise(robot)
+    return TorqueModel(robot, uses, False, mean, np.diag((0.01 * mean) ** 2), Residuals(
+        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('made up',), (15.0, 45.0))

@@ -1,0 +1,66 @@
+"""/diagnostics on the torque model: what it left at the last diagnosis, and what it leaves now."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+from core_helpers import exact_model
+import numpy as np
+import pytest
+
+from hand_load_estimator.nodes.diagnostics import OK, WARN
+from hand_load_estimator.nodes.model_report import report_model
+from hand_load_estimator.nodes.stamps import StampBase
+from hand_load_estimator.residual.watch import Aged
+
+THEN = np.array([0.5, 0.41, np.nan, 0.2])
+
+
+def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN):
+    """Return what is said of a model with residuals now (4,) [Nm], joints aged."""
+    model = exact_model('four')
+    model = replace(model, diagnosed=diagnosed,
+                    residuals=replace(model.residuals, sliding=sliding))
+    now = np.array(now)
+    found = tuple(Aged(name, 2.1, 5.0, 45.0, now[model.robot.joints.index(name)])
+                  for name in aged)
+    watch = SimpleNamespace(aged=found, residual=now, ratio=np.full(4, 2.0),
+                            seconds=np.full(4, 60.0), enough=np.full(4, True))
+    return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path('m.yaml')), 0.0,
+                        StampBase())
+
+
+def test_what_has_grown_since_the_diagnosis_is_told_with_both_figures():
+    level, message, values = reported([0.5, 1.02, 0.3, 0.2])
+    assert level == WARN
+    assert message.endswith('since the diagnosis of 2026-03-01 14:30 residual of j1 has grown '
+                            'from 0.41 to 1.02 Nm')
+    assert values['diagnosed'] == '2026-03-01T14:30:00+00:00'
+    assert values['residual j1 [Nm]'] == 1.02
+    assert values['residual j1 at the last diagnosis [Nm]'] == 0.41
+    assert 'residual j2 at the last diagnosis [Nm]' not in values
+
+
+def test_what_was_so_already_has_not_grown():
+    message = reported([0.5, 0.44, 0.3, 0.2])[1]
+    assert 'grown' not in message
+    assert message.endswith('at the diagnosis of 2026-03-01 14:30 it was 0.41 Nm already, now '
+                            '0.44 Nm')
+
+
+@pytest.mark.parametrize('keywords', [{'diagnosed': None, 'sliding': None}, {'aged': ('j2',)}])
+def test_what_is_not_known_of_the_diagnosis_is_not_said(keywords):
+    level, message, values = reported([0.5, 1.02, 3.0, 0.2], **keywords)
+    assert level == WARN and message.endswith('(45 s of motion)')
+    assert (values['diagnosed'] == 'not known') == ('sliding' in keywords)
+
+
+def test_two_aged_joints_are_told_apart():
+    message = reported([0.9, 1.02, 3.0, 0.2], ('j1', 'j0'))[1]
+    assert message.count('has grown from') == 2 and message.count(';') == 1
+
+
+def test_a_good_model_tells_its_diagnosis_too():
+    level, message, values = reported([0.5, 0.4, 0.3, 0.2], ())
+    assert (level, message) == (OK, 'residuals are what the model states')
+    assert values['residual j3 at the last diagnosis [Nm]'] == 0.2
