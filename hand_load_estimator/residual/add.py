@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
+from ..knee_fit import with_knees_fitted
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
@@ -113,7 +114,7 @@ def _identified(model, declared, mean, covariance, evidence, own):
         if system is None or torque_bound:
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
-        x, posterior = system.solve(mean, covariance, weights)
+        uses, x, posterior = with_knees_fitted(system, uses, mean, covariance, weights)
         friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out, weights, system.owner, system.dt)

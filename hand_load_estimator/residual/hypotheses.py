@@ -72,13 +72,13 @@ def _of_effect(model, residual, blocks, effect, j):
     if effect.name == 'presliding_hysteresis':
         yield from _presliding(model, residual, j, scale)
         return
-    found = _shapes(effect, residual, blocks, j)
+    found = _shapes(model, effect, residual, blocks, j)
     columns_of = _columns(effect, residual.x, j, [shape for shape, _ in found])
     for (shape, count), columns in zip(found, columns_of):
         yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
 
 
-def _shapes(effect, residual, blocks, j):
+def _shapes(model, effect, residual, blocks, j):
     """Return (shape, how many were looked at) pairs."""
     if not effect.shapes:
         return [({}, 1)]
@@ -88,8 +88,15 @@ def _shapes(effect, residual, blocks, j):
                                        blocks.left_over(j), residual.weights[:, j])
         return [({name: float(value)}, count // len(values)) for value in values]
     names = [shape.name for shape in effect.shapes]
-    return [(dict(zip(names, map(float, values))), 1)
-            for values in product(*(shape.grid for shape in effect.shapes))]
+    grids = [_grid(model, effect, shape, j) for shape in effect.shapes]
+    return [(dict(zip(names, map(float, values))), 1) for values in product(*grids)]
+
+
+def _grid(model, effect, shape, j):
+    """Return the values of a Shape to try; one that need not be there, also as the model has it."""
+    own = {use.shape[shape.name] for use in model.uses
+           if (use.name, use.joint) == (effect.name, j)} if np.isinf(shape.default) else set()
+    return shape.grid + tuple(own - set(shape.grid))
 
 
 def _columns(effect, x, j, shapes):
@@ -115,7 +122,15 @@ def _presliding(model, residual, j, scale):
 
 def refinable(hypothesis):
     """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
-    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape
+    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape \
+        and bool(np.isfinite(list(hypothesis.shape.values())).all())
+
+
+def price(hypothesis, other):
+    """Return the nats that a Hypothesis must gain beyond another of its key, of plainer shape."""
+    return sum(shape.gain for shape in EFFECTS[hypothesis.name].shapes
+               if other.shape[shape.name] == shape.default != hypothesis.shape[shape.name]
+               ) if hypothesis.shape else 0.0
 
 
 def reshaped(hypothesis, factors, model, residual):
@@ -189,7 +204,7 @@ def with_effect(model, hypothesis):
     uses = list(model.uses)
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
-            if hypothesis.shape:
-                uses[k] = replace(use, shape=dict(hypothesis.shape))
+            found = {s: value for s, value in hypothesis.shape.items() if np.isfinite(value)}
+            uses[k] = replace(use, shape={**use.shape, **found})
             return tuple(uses)
     return (*uses, use_of(hypothesis.name, hypothesis.joint, hypothesis.shape))
