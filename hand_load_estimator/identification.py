@@ -358,10 +358,11 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         x, posterior = system.solve(mean, covariance, weights)
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).friction_level()
-    uses, _, _ = with_knees_fitted(system, uses, mean, covariance, weights)
+    searched = uses
+    uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out, weights, system.owner, system.dt)
-    uses, x, posterior = with_knees_fitted(system, uses, mean, covariance,
+    uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance,
                                            system.weights(intensity, friction))
     residuals = Residuals(rmse_of(robot, system, left_out), intensity,
                           drift_of(system, left_out, weights))

@@ -10,21 +10,22 @@ from dataclasses import replace
 import numpy as np
 
 from .effects.knee import KNEE
-from .torque_columns import effect_columns, effect_slices
+from .torque_columns import effect_slices
 
 TURNS = 3
-DOUBT = 10.0      # [K] how far from where the search found it a knee may be
+DOUBT = 10.0      # [K] how far a knee may be from where a search found it
 STEP = 3.0        # [K] the furthest a knee goes in one turn
 HALF_WIDTH = 0.5  # [K] of the difference that tells what moving a knee does
 
 
-def with_knees_fitted(system, uses, mean, covariance, weights):
+def with_knees_fitted(system, uses, known, mean, covariance, weights):
     """
     Return (uses, x (P,), covariance (P, P)) with the knees of uses where they fit best.
 
-    system: the System of uses as they are, whose columns go with the knees; mean, covariance: the
-    prior; weights (N, n). Each knee's standard deviation is then in its use's shape_std. Where
-    friction levels off nowhere this is the plain solution.
+    system: the System of uses as they are, whose columns go with the knees; known: the same uses
+    with what was known of their knees before, mean, covariance: of x; weights (N, n). Each knee's
+    standard deviation is then in its use's shape_std. Where friction levels off nowhere this is
+    the plain solution.
     """
     x, posterior = system.solve(mean, covariance, weights)
     n, size, uses = system.torque.shape[1], len(mean), list(uses)
@@ -34,9 +35,11 @@ def with_knees_fitted(system, uses, mean, covariance, weights):
         return tuple(uses), x, posterior
     wide = np.zeros((size + len(knees),) * 2)
     wide[:size, :size] = covariance
-    wide[size:, size:] = DOUBT ** 2 * np.eye(len(knees))
-    first = np.append(mean, np.zeros(len(knees)))
+    wide[size:, size:] = np.diag([known[k].shape_std.get(KNEE.name, DOUBT) ** 2
+                                  for k, _ in knees])
     for _ in range(TURNS):
+        first = np.append(mean, [known[k].shape[KNEE.name] - uses[k].shape[KNEE.name]
+                                 for k, _ in knees])
         more = np.zeros((*system.torque.shape, len(knees)))
         for i, (k, where) in enumerate(knees):
             more[:, uses[k].joint, i] = _per_kelvin(system, uses[k], x[where])

@@ -9,6 +9,7 @@ from test_identification import waves
 import yaml
 
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
+from hand_load_estimator.effects.knee import shows
 from hand_load_estimator.identification import Evidence, identify, System
 from hand_load_estimator.knee_fit import with_knees_fitted
 from hand_load_estimator.model_file import read_model, write_model
@@ -77,6 +78,14 @@ def test_friction_falls_to_its_knee_and_stays(name):
     assert effect.default_shape() == {'knee': np.inf} and name in DEFAULT_EFFECTS
 
 
+@pytest.mark.parametrize('warmth, told', [
+    (np.linspace(-10.0, 25.0, 99), True), (np.repeat([-10.0, 10.0], 50), False),
+    (np.repeat([-10.0, 3.0, 25.0], 50), True), (np.linspace(-10.0, 10.5, 99), False),
+    (np.linspace(11.5, 30.0, 99), False), (np.zeros(0), False)])
+def test_a_knee_shows_only_where_the_fall_and_the_level_do(warmth, told):
+    assert shows(warmth, KNEE) == told
+
+
 # The fit beside all other parameters.
 
 def test_a_knee_is_fitted_with_its_doubt():
@@ -86,7 +95,8 @@ def test_a_knee_is_fitted_with_its_doubt():
     prior[:10 * model.robot.n] = 0.0
     system = System(model.robot, model.uses, recorded(KNEE, 0.3), mean)
     weights = system.weights(model.residuals.intensity, model.friction_level())
-    uses, x, covariance = with_knees_fitted(system, model.uses, mean, prior, weights)
+    uses, x, covariance = with_knees_fitted(system, model.uses, model.uses, mean, prior,
+                                            weights)
     knee, std = uses[-1].shape['knee'], uses[-1].shape_std['knee']
     assert abs(knee - KNEE) < 4.0 * std and 0.01 < std < 0.5
     slope, doubt = x[-1], np.sqrt(covariance[-1, -1])
@@ -98,13 +108,23 @@ def test_a_knee_is_fitted_with_its_doubt():
     np.testing.assert_array_equal(uses[:-1], model.uses[:-1])
 
 
+def test_what_was_known_of_a_knee_stays_known_where_recordings_do_not_reach_it():
+    model = arm(KNEE, 0.3)
+    known = (*model.uses[:-1], EffectUse(COULOMB, JOINT, {'knee': KNEE}, {'knee': 0.7}))
+    system = System(model.robot, known, recorded(KNEE, 0.3)[:3], model.mean)
+    weights = system.weights(model.residuals.intensity, model.friction_level())
+    uses, _, _ = with_knees_fitted(system, known, known, model.mean, model.covariance, weights)
+    assert uses[-1].shape['knee'] == pytest.approx(KNEE, abs=1e-6)
+    assert uses[-1].shape_std['knee'] == pytest.approx(0.7)
+
+
 def test_without_a_knee_the_fit_is_the_plain_one():
     model = arm()
     evidence = recorded(np.inf, 0.1)
     system = System(model.robot, model.uses, evidence, model.mean)
     weights = system.weights(model.residuals.intensity, model.friction_level())
-    uses, x, covariance = with_knees_fitted(system, model.uses, model.mean, model.covariance,
-                                            weights)
+    uses, x, covariance = with_knees_fitted(system, model.uses, model.uses, model.mean,
+                                            model.covariance, weights)
     plain = system.solve(model.mean, model.covariance, weights)
     assert uses == model.uses
     np.testing.assert_array_equal(x, plain[0])

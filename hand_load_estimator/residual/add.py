@@ -104,8 +104,15 @@ def _widened(covariance, robot, uses, changed):
     return np.diag(variance)
 
 
+def _before(use, own):
+    """Return the use with what is known of its knee when it is identified again."""
+    return replace(use, shape_std={} if own else {name: WIDER * std for name, std
+                                                  in use.shape_std.items()})
+
+
 def _identified(model, declared, mean, covariance, evidence, own):
     uses, links = declared
+    known = tuple(_before(use, own) for use in uses)
     robot, x, residuals = model.robot, mean, model.residuals
     intensity, friction = residuals.intensity, model.friction_level()
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
@@ -114,7 +121,7 @@ def _identified(model, declared, mean, covariance, evidence, own):
         if system is None or torque_bound:
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
-        uses, x, posterior = with_knees_fitted(system, uses, mean, covariance, weights)
+        uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
         friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out, weights, system.owner, system.dt)

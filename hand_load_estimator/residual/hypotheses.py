@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 
 from ..effects import EFFECTS
+from ..effects.knee import KNEE, shows
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
@@ -88,15 +89,19 @@ def _shapes(model, effect, residual, blocks, j):
                                        blocks.left_over(j), residual.weights[:, j])
         return [({name: float(value)}, count // len(values)) for value in values]
     names = [shape.name for shape in effect.shapes]
-    grids = [_grid(model, effect, shape, j) for shape in effect.shapes]
+    grids = [_grid(model, residual, effect, shape, j) for shape in effect.shapes]
     return [(dict(zip(names, map(float, values))), 1) for values in product(*grids)]
 
 
-def _grid(model, effect, shape, j):
-    """Return the values of a Shape to try; one that need not be there, also as the model has it."""
+def _grid(model, residual, effect, shape, j):
+    """Return the values of a Shape to try: of knees also the model's, and those that show."""
+    if shape is not KNEE:
+        return shape.grid
     own = {use.shape[shape.name] for use in model.uses
-           if (use.name, use.joint) == (effect.name, j)} if np.isinf(shape.default) else set()
-    return shape.grid + tuple(own - set(shape.grid))
+           if (use.name, use.joint) == (effect.name, j)} - set(shape.grid)
+    warmth = residual.x.warmth[residual.weights[:, j] > 0.0, j]
+    return [knee for knee in (*shape.grid, *own)
+            if knee == shape.default or shows(warmth, knee)]
 
 
 def _columns(effect, x, j, shapes):
@@ -205,6 +210,7 @@ def with_effect(model, hypothesis):
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
             found = {s: value for s, value in hypothesis.shape.items() if np.isfinite(value)}
-            uses[k] = replace(use, shape={**use.shape, **found})
+            uses[k] = replace(use, shape={**use.shape, **found},
+                              shape_std={} if found else use.shape_std)
             return tuple(uses)
     return (*uses, use_of(hypothesis.name, hypothesis.joint, hypothesis.shape))
