@@ -21,7 +21,7 @@ from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 COULOMB = 'temperature_dependent_coulomb_friction'
 VISCOUS = 'temperature_dependent_viscous_friction'
-JOINT, KNEE, SECONDS = 1, 11.0, 12.0
+JOINT, KNEE, SECONDS = 1, 11.0, 6.0
 CELSIUS = (15.0, 25.0, 30.0, 34.0, 40.0, 50.0, 20.0, 45.0)
 
 
