@@ -7,17 +7,19 @@ data may be off and how large an effect may be, and W is the inverse spectral de
 residual, so that coloured residuals do not pass for knowledge.
 """
 
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
+from .knee_fit import with_knees_fitted
 from .load import LoadParameters
 from .load_agreement import LeftOut, share_left_out
 from .presliding import stuck_density
 from .sliding import sliding_rms, surely_slides
-from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
+from .torque_columns import (ColumnLayout, EffectUse, effect_columns, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
 from .torque_model import Residuals, TorqueModel
 
@@ -120,6 +122,7 @@ class System:
         self.robot, distance = robot, presliding_distances(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
         inputs = [motion_input(robot, e.motion, distance) for e in evidence]
+        self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.held)
             for (x, _), e in zip(inputs, evidence)])
@@ -131,6 +134,20 @@ class System:
             np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
+
+    def columns_of(self, use):
+        """Return the columns (N, k) of an effect that reads no torques."""
+        return np.concatenate([effect_columns(x, use) for x in self._inputs])
+
+    def reshape(self, use, where):
+        """Write the columns of such an effect anew; where: its slice of x."""
+        self.columns[:, use.joint, where] = self.columns_of(use)
+
+    def with_more(self, columns):
+        """Return a System with columns (N, n, k) behind its own."""
+        out = copy(self)
+        out.columns = np.concatenate([self.columns, columns], axis=2)
+        return out
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where the friction state is in doubt."""
@@ -209,16 +226,34 @@ def _search_shapes(robot, uses, evidence, x, intensity, friction):
     weights = System(robot, tuple(uses), evidence, x).weights(intensity, friction)
     for name, shape in _shapes_of(uses):
         best = {}
-        for value in shape.grid:
-            trial = tuple(replace(u, shape={**u.shape, shape.name: value})
-                          if u.name == name else u for u in uses)
-            system = System(robot, trial, evidence, x)
+        for value, trial, system in _trials(robot, uses, evidence, x, name, shape):
             for j, cost in enumerate(_joint_costs(robot, trial, system, x, weights)):
-                if j not in best or cost < best[j][0]:
+                # Twice the nats that the value must gain over the first, which is the default.
+                if j not in best or cost < best[j][0] - 2.0 * _price(shape, best[j][1]):
                     best[j] = (cost, value)
         uses = [replace(u, shape={**u.shape, shape.name: best[u.joint][1]})
                 if u.name == name else u for u in uses]
     return tuple(uses)
+
+
+def _trials(robot, uses, evidence, x, name, shape):
+    """Yield (value, uses with it on all joints, their System) for the grid of a Shape."""
+    alone = name != 'presliding_hysteresis' and EFFECTS[name].needs <= {'warmth'}
+    system = System(robot, tuple(uses), evidence, x) if alone else None
+    for value in shape.grid:
+        trial = tuple(replace(u, shape={**u.shape, shape.name: value})
+                      if u.name == name else u for u in uses)
+        if not alone:
+            system = System(robot, trial, evidence, x)
+        for use, where in effect_slices(robot.n, trial) if alone else ():
+            if use.name == name:
+                system.reshape(use, where)
+        yield value, trial, system
+
+
+def _price(shape, value):
+    """Return the nats that another value of a Shape must gain beyond this one."""
+    return shape.gain if value == shape.default else 0.0
 
 
 def _shapes_of(uses):
@@ -325,15 +360,18 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         x, posterior = system.solve(mean, covariance, weights)
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).friction_level()
+    searched = uses
+    uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out.residual, weights, system.owner, system.dt)
-    x, posterior = system.solve(mean, covariance, system.weights(intensity, friction))
+    uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance,
+                                           system.weights(intensity, friction))
     drift = drift_of(system, left_out.residual, weights)
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt), system.dt,
                           system.owner)
     residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
-                          share_left_out(system, left_out, intensity, friction, drift), sliding)
+                          sliding, share_left_out(system, left_out, intensity, friction, drift))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

@@ -70,8 +70,10 @@ def model_content(model):
         entry = {'name': use.name,
                  'joints': list(robot.joints) if whole else [robot.joints[use.joint]],
                  'parameters': parameters}
-        if use.shape:
-            entry['shape'] = dict(use.shape)
+        if use.told_shape:
+            entry['shape'] = use.told_shape
+        if use.shape_std:
+            entry['shape_std'] = use.shape_std
         effects.append(entry)
     scale = np.where(std > 0.0, std, 1.0)
     correlation = model.covariance / np.outer(scale, scale)
@@ -121,7 +123,7 @@ def write_model(path, model):
 
 def model_digest(model):
     """Return a digest of what a TorqueModel predicts; the same before and after a file."""
-    uses = [[use.name, use.joint, dict(use.shape)] for use in model.uses]
+    uses = [[use.name, use.joint, use.told_shape] for use in model.uses]
     text = json.dumps([model.robot.joints, model.robot.effort.kind, uses,
                        [_number(value) for value in model.mean]])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
@@ -140,8 +142,9 @@ def read_model(path):
     residuals = Residuals(residual.vector('torque_noise', robot.n, 1e-9),
                           residual.vector('low_frequency_density', robot.n, 1e-12),
                           _read_drift(residual, robot.n),
+                          _read_sliding(residual, robot.n),
                           residual.number('load_share', 1e-3) if residual.has('load_share')
-                          else 1.0, _read_sliding(residual, robot.n))
+                          else 1.0)
     residual.refuse_unknown()
     temperatures = (tuple(section.vector('temperatures', 2))
                     if section.has('temperatures') else None)
@@ -219,14 +222,14 @@ def _read_effects(section, robot, path):
     for k, content in enumerate(entries):
         entry = Section(content, f'{path}: effects[{k}]')
         name = entry.text('name', tuple(EFFECTS))
-        shape = _read_shape(entry, EFFECTS[name])
+        shape, shape_std = _read_shape(entry, EFFECTS[name])
         names = entry.names('joints')
         for joint in names[:1] if EFFECTS[name].whole_arm else names:
             if joint not in robot.joints:
                 entry.fail('joints', 'names a joint the robot does not have', joint,
                            ', '.join(robot.joints))
             place = 0 if EFFECTS[name].whole_arm else robot.joints.index(joint)
-            uses.append(EffectUse(name, place, shape))
+            uses.append(EffectUse(name, place, shape, shape_std))
             values = entry.section('parameters')
             for parameter, _ in EFFECTS[name].parameters:
                 value = values.section(parameter)
@@ -240,10 +243,18 @@ def _read_effects(section, robot, path):
 
 
 def _read_shape(entry, effect):
-    if not effect.shapes:
-        return {}
-    shape = entry.section('shape')
-    return {s.name: shape.number(s.name, 1e-9) for s in effect.shapes}
+    optional = not np.isfinite(list(effect.default_shape().values())).any()
+    if optional and not entry.has('shape'):
+        return {}, {}
+    names = [s.name for s in effect.shapes]
+    return (_numbers(entry.section('shape'), names, 1e-9),
+            _numbers(entry.section('shape_std'), names, 0.0) if entry.has('shape_std') else {})
+
+
+def _numbers(section, names, least):
+    values = {name: section.number(name, least) for name in names}
+    section.refuse_unknown()
+    return values
 
 
 def _covariance(section, std):

@@ -22,17 +22,28 @@ class EffectUse:
     """
     One declared effect on one joint: its name, joint index and shape values.
 
-    An effect of the whole arm stands at joint 0.
+    An effect of the whole arm stands at joint 0. Shapes that are not given have their defaults;
+    shape_std: standard deviations of those that were estimated with the parameters.
     """
 
     name: str
     joint: int
     shape: dict = field(default_factory=dict)
+    shape_std: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        """Complete the shape."""
+        object.__setattr__(self, 'shape', {**self.effect.default_shape(), **self.shape})
 
     @property
     def effect(self):
         """The Effect of that name."""
         return EFFECTS[self.name]
+
+    @property
+    def told_shape(self):
+        """The shape values that are there: an infinite one says that there is none."""
+        return {name: value for name, value in self.shape.items() if np.isfinite(value)}
 
 
 def warmth_of(robot, temperature):

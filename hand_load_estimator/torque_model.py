@@ -29,17 +29,18 @@ class Residuals:
     rmse [Nm]: of the filtered torque on held-out data. intensity [Nm^2 s]: spectral density of
     the residual at low frequencies; over t seconds an average of it has variance intensity / t,
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
-    deviation between recordings of offset, Coulomb level and viscous coefficient. load_share: of
-    all variances the model states, what an estimate of the load suffers from (load_agreement.py).
-    sliding [Nm]: of means over fractions of a second while the joint slides (sliding.py), on data
-    not used for the fit, at the last diagnosis; NaN for a joint without motion then, or None.
+    deviation between recordings of offset, Coulomb level and viscous coefficient. sliding [Nm]:
+    of means over fractions of a second while the joint slides (sliding.py), on data not
+    used for the fit, at the last diagnosis; NaN for a joint without motion then, or None.
+    load_share: of all variances the model states, what an estimate of the load suffers from
+    (load_agreement.py).
     """
 
     rmse: np.ndarray
     intensity: np.ndarray
     drift: np.ndarray
-    load_share: float = 1.0
     sliding: np.ndarray | None = None
+    load_share: float = 1.0
 
     @property
     def load_intensity(self):

@@ -44,7 +44,8 @@ class Made:
     def __init__(self, robot, seed=1, density=None, recordings=4, seconds=30.0, names=NAMES):
         rng = np.random.default_rng(seed)
         self.robot = robot
-        self.uses = tuple(EffectUse(n, j, {s.name: TRUE_SHAPE[s.name] for s in EFFECTS[n].shapes})
+        self.uses = tuple(EffectUse(n, j, {s.name: TRUE_SHAPE.get(s.name, s.default)
+                                           for s in EFFECTS[n].shapes})
                           for j in range(robot.n) for n in names if n in EFFECTS)
         mean, covariance = prior(robot, self.uses, 'link_inertia' in names)
         self.x = mean + 0.5 * np.sqrt(np.diag(covariance)) * rng.normal(size=len(mean))

@@ -55,13 +55,15 @@ class Shape:
     """
     A parameter the columns depend on nonlinearly: searched over `grid`, then kept.
 
-    An empty grid: it is found from the residual (the period of a ripple).
+    An empty grid: it is found from the residual (the period of a ripple). gain [nats]: what
+    another value must explain more than the default does; a default of infinity is no such shape.
     """
 
     name: str
     unit: str
     default: float
     grid: tuple
+    gain: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import System, density, drift_of, held_out, prior, rmse_of
+from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
@@ -104,8 +105,15 @@ def _widened(covariance, robot, uses, changed):
     return np.diag(variance)
 
 
+def _before(use, own):
+    """Return the use with what is known of its knee when it is identified again."""
+    return replace(use, shape_std={} if own else {name: WIDER * std for name, std
+                                                  in use.shape_std.items()})
+
+
 def _identified(model, declared, mean, covariance, evidence, own):
     uses, links = declared
+    known = tuple(_before(use, own) for use in uses)
     robot, x, residuals = model.robot, mean, model.residuals
     intensity, friction = residuals.intensity, model.friction_level()
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
@@ -114,7 +122,7 @@ def _identified(model, declared, mean, covariance, evidence, own):
         if system is None or torque_bound:
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
-        x, posterior = system.solve(mean, covariance, weights)
+        uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
         friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out.residual, weights, system.owner, system.dt)
@@ -127,7 +135,8 @@ def _identified(model, declared, mean, covariance, evidence, own):
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
     found = Residuals(rmse, intensity, drift,
-                      share_left_out(system, left_out, intensity, friction, drift))
+                      load_share=share_left_out(system, left_out, intensity,
+                                                friction, drift))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)

@@ -144,7 +144,8 @@ def _of_effect(model, better, hypothesis):
                 for k, (name, unit) in enumerate(effect.parameters)}
     if effect.derived:
         out |= _derived(effect, use.shape, mean, covariance)
-    return out | {s.name: (use.shape[s.name], float('nan'), s.unit) for s in effect.shapes}
+    return out | {s.name: (use.told_shape[s.name], use.shape_std.get(s.name, np.nan), s.unit)
+                  for s in effect.shapes if s.name in use.told_shape}
 
 
 def _slice(model, hypothesis):

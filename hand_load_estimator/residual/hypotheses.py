@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 
 from ..effects import EFFECTS
+from ..effects.knee import KNEE, shows
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
@@ -72,13 +73,13 @@ def _of_effect(model, residual, blocks, effect, j):
     if effect.name == 'presliding_hysteresis':
         yield from _presliding(model, residual, j, scale)
         return
-    found = _shapes(effect, residual, blocks, j)
+    found = _shapes(model, effect, residual, blocks, j)
     columns_of = _columns(effect, residual.x, j, [shape for shape, _ in found])
     for (shape, count), columns in zip(found, columns_of):
         yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
 
 
-def _shapes(effect, residual, blocks, j):
+def _shapes(model, effect, residual, blocks, j):
     """Return (shape, how many were looked at) pairs."""
     if not effect.shapes:
         return [({}, 1)]
@@ -88,8 +89,19 @@ def _shapes(effect, residual, blocks, j):
                                        blocks.left_over(j), residual.weights[:, j])
         return [({name: float(value)}, count // len(values)) for value in values]
     names = [shape.name for shape in effect.shapes]
-    return [(dict(zip(names, map(float, values))), 1)
-            for values in product(*(shape.grid for shape in effect.shapes))]
+    grids = [_grid(model, residual, effect, shape, j) for shape in effect.shapes]
+    return [(dict(zip(names, map(float, values))), 1) for values in product(*grids)]
+
+
+def _grid(model, residual, effect, shape, j):
+    """Return the values of a Shape to try: of knees also the model's, and those that show."""
+    if shape is not KNEE:
+        return shape.grid
+    own = {use.shape[shape.name] for use in model.uses
+           if (use.name, use.joint) == (effect.name, j)} - set(shape.grid)
+    warmth = residual.x.warmth[residual.weights[:, j] > 0.0, j]
+    return [knee for knee in (*shape.grid, *own)
+            if knee == shape.default or shows(warmth, knee)]
 
 
 def _columns(effect, x, j, shapes):
@@ -115,7 +127,15 @@ def _presliding(model, residual, j, scale):
 
 def refinable(hypothesis):
     """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
-    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape
+    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape \
+        and bool(np.isfinite(list(hypothesis.shape.values())).all())
+
+
+def price(hypothesis, other):
+    """Return the nats that a Hypothesis must gain beyond another of its key, of plainer shape."""
+    return sum(shape.gain for shape in EFFECTS[hypothesis.name].shapes
+               if other.shape[shape.name] == shape.default != hypothesis.shape[shape.name]
+               ) if hypothesis.shape else 0.0
 
 
 def reshaped(hypothesis, factors, model, residual):
@@ -189,7 +209,8 @@ def with_effect(model, hypothesis):
     uses = list(model.uses)
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
-            if hypothesis.shape:
-                uses[k] = replace(use, shape=dict(hypothesis.shape))
+            found = {s: value for s, value in hypothesis.shape.items() if np.isfinite(value)}
+            uses[k] = replace(use, shape={**use.shape, **found},
+                              shape_std={} if found else use.shape_std)
             return tuple(uses)
     return (*uses, use_of(hypothesis.name, hypothesis.joint, hypothesis.shape))

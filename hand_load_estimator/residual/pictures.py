@@ -58,8 +58,10 @@ def _against(hypothesis):
 def _variable(robot, residual, hypothesis, j, against):
     x = residual.x
     if against == 'temperature':
+        knee = robot.reference_temperature + hypothesis.shape.get('knee', np.inf)
+        level = f', levels off at {knee:.1f}' if np.isfinite(knee) else ''
         return x.warmth[:, j] + robot.reference_temperature, \
-            'joint temperature [degC] (torque along the motion)'
+            f'joint temperature [degC]{level} (torque along the motion)'
     if against == 'position within a period':
         periods = hypothesis.shape['periods']
         return np.mod(periods * x.q[:, j], 2.0 * np.pi), \

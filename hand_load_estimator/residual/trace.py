@@ -14,7 +14,7 @@ import numpy as np
 
 from .confusable import partners
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, physical, refinable, reshaped
+from .hypotheses import hypotheses, physical, price, refinable, reshaped
 
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
@@ -253,7 +253,8 @@ class Trace:
                                      self._scores):
             score = self.blocks.evaluate(hypothesis.columns)
             tried += hypothesis.trials
-            if hypothesis.key not in fresh or score.gain > fresh[hypothesis.key][1].gain:
+            known = fresh.get(hypothesis.key)
+            if known is None or score.gain > known[1].gain + price(hypothesis, known[0]):
                 fresh[hypothesis.key] = hypothesis, score
         for key, pair in fresh.items():
             fresh[key] = self._refined(*pair)
