@@ -165,5 +165,6 @@ def load_through_effects(model, columns, load, sample, z, believed):
             gain[j] += value[0] * direction[j] * z[j]
             turned[j] += value[0] * (direction[j] * gear[j] - np.abs(gear[j])) * z[j]
         elif use.name == 'base_tilt':
-            leaning = np.einsum('a,ajk->jk', value, robot.tilted_load_columns(sample.q))
+            leaning = np.einsum('a,ajk->jk', value,
+                                robot.tilted_load_columns(sample.q, value))
     return gain[:, None] * load + leaning, turned

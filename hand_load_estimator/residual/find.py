@@ -170,7 +170,7 @@ def _complete(model, x, columns, dt, held):
     gear = columns[:, :, :10 * n] @ model.mean[:10 * n] + held
     return replace(x, gear=gear, drive=predicted, rate=rate, late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
-                   tilt=tilt_columns(robot, x.q, model.mean))
+                   tilt=tilt_columns(robot, model.layout, x.q, model.mean))
 
 
 def _cut(dt, owner, recording):
