@@ -15,7 +15,7 @@ from .effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from .errors import ConfigurationError, RecordingError
 from .load import LoadParameters
 from .presliding import stuck_density
-from .torque_columns import (ColumnLayout, EffectUse, effect_slices, motion_input,
+from .torque_columns import (as_reported, ColumnLayout, EffectUse, effect_slices, motion_input,
                              parameter_count, presliding_distances, real_torque, torque_columns)
 from .torque_model import Residuals, TorqueModel
 
@@ -129,10 +129,14 @@ class System:
             np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
+        self._uses = uses
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where the friction state is in doubt."""
         stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
+        for k in np.unique(self.owner):
+            rows = self.owner == k
+            stuck[rows] = as_reported(self._uses, stuck[rows], self.dt[rows])
         return self.dt[:, None] / (intensity + stuck)
 
     def solve(self, mean, covariance, weights):

@@ -201,6 +201,19 @@ def lateness(torque, dt, before=None):
     return late
 
 
+def as_reported(uses, values, dt):
+    """
+    Return values (N, n) of the moments that the torques reported at N samples dt (N,) belong to.
+
+    A joint with a delay moves already when the torque of its rest is reported.
+    """
+    delays = np.zeros(values.shape[1])
+    for use in uses:
+        if use.name == 'time_delay':
+            delays[use.joint] = use.shape['shift']
+    return values + lateness(values, dt)(delays) if delays.any() else values
+
+
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
     Return play(joints, travels, lags, pose_shares) of EffectInput at q (N, n).

@@ -8,8 +8,8 @@ from ..effects import EFFECTS, EffectInput
 from ..identification import recording_numbers
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
-from ..torque_columns import (EffectUse, lateness, motion_input, play_columns, tilt_columns,
-                              torque_columns)
+from ..torque_columns import (as_reported, EffectUse, lateness, motion_input, play_columns,
+                              tilt_columns, torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 
@@ -135,7 +135,7 @@ def _of_recording(model, evidence, compared):
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \
-        + stuck_density(x.z, doubt, x.v, level)
+        + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
     turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
     weights = np.where(turning, 0.0, motion.dt[:, None] / density)
