@@ -124,7 +124,7 @@ class Robot:
 
     def tilt_regressor(self, q, links, angles=(0.0, 0.0)):
         """
-        Return (n, 2) [Nm/rad]: columns for the torque of the links' weight when gravity is turned.
+        Return (n, 2) [Nm/rad]: columns for what turned gravity does to the torque of links.
 
         links (10 n,): products; angles (2,) [rad]: about the tilt axes, as one rotation vector.
         The columns times these angles are all that the turn changes; at zero, to first order.
@@ -161,8 +161,8 @@ class Robot:
         """
         angles, gravity = np.asarray(angles, dtype=float), self.model.gravity.linear
         size = np.linalg.norm(angles)
-        half = np.sinc(0.5 * size / np.pi)
-        return np.sinc(size / np.pi) * self._across_gravity - 0.5 * half ** 2 * np.outer(angles, gravity)
+        shortened = 0.5 * np.sinc(0.5 * size / np.pi) ** 2 * np.outer(angles, gravity)
+        return np.sinc(size / np.pi) * self._across_gravity - shortened
 
     def _tilted(self, q, angles):
         zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()

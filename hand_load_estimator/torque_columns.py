@@ -218,7 +218,8 @@ def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
     Return play(joints, travels, lags, pose_shares) of EffectInput at q (N, n).
 
-    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of torque_columns.
+    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of
+    torque_columns.
     """
     if dt is None:
         return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
