@@ -19,8 +19,9 @@ from .load import LoadParameters
 from .load_agreement import LeftOut, share_left_out
 from .presliding import stuck_density
 from .sliding import sliding_rms, surely_slides
-from .torque_columns import (ColumnLayout, EffectUse, effect_columns, effect_slices, motion_input,
-                             parameter_count, presliding_distances, real_torque, torque_columns)
+from .torque_columns import (as_reported, ColumnLayout, EffectUse, effect_columns, effect_slices,
+                             motion_input, parameter_count, presliding_distances, real_torque,
+                             torque_columns)
 from .torque_model import Residuals, TorqueModel
 
 # How far a link's published mass, and its first and second moments, may be off.
@@ -134,6 +135,7 @@ class System:
             np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
+        self._uses = uses
 
     def columns_of(self, use):
         """Return the columns (N, k) of an effect that reads no torques."""
@@ -152,6 +154,9 @@ class System:
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where the friction state is in doubt."""
         stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
+        for k in np.unique(self.owner):
+            rows = self.owner == k
+            stuck[rows] = as_reported(self._uses, stuck[rows], self.dt[rows])
         return self.dt[:, None] / (intensity + stuck)
 
     def solve(self, mean, covariance, weights):
@@ -364,14 +369,14 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
     left_out = held_out(system, mean, covariance, weights)
     intensity = density(left_out.residual, weights, system.owner, system.dt)
-    uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance,
-                                           system.weights(intensity, friction))
+    stated = system.weights(intensity, friction)
+    uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     drift = drift_of(system, left_out.residual, weights)
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt), system.dt,
                           system.owner)
     residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
-                          sliding, share_left_out(system, left_out, intensity, friction, drift))
+                          sliding, share_left_out(system, left_out, stated, drift))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .presliding import stuck_density
 from .torque_model import nuisance_columns
 
 # Lengths [s] of windows: what an estimate is made from soon after the start of a motion and later.
@@ -43,38 +42,35 @@ class Window:
     Some seconds without load: N rows of n joints.
 
     load K (N, n, 10); uncertain (N, n, r): unit-variance uncertainties of the model; residual
-    (N, n) [Nm]; stuck (N, n) [Nm^2 s]: density that friction in doubt adds; dt (N,) [s].
+    (N, n) [Nm]; weights (N, n) [1/Nm^2]: seconds of a row over the density of its residual.
     """
 
     load: np.ndarray
     uncertain: np.ndarray
     residual: np.ndarray
-    stuck: np.ndarray
-    dt: np.ndarray
+    weights: np.ndarray
 
-    def squared_error(self, density):
-        """Return b^T S^-1 b for a density (n,) [Nm^2 s] of the residual."""
+    def squared_error(self):
+        """Return b^T S^-1 b over its ten dimensions: 1 on average where the statement is true."""
         load = self.load
-        weights = self.dt[:, None] / (density + self.stuck)
-        weighed = (load * weights[:, :, None]).reshape(-1, 10)
+        weighed = (load * self.weights[:, :, None]).reshape(-1, 10)
         error = self.residual.reshape(-1) @ weighed
         through = weighed.T @ self.uncertain.reshape(len(weighed), -1)
         covariance = weighed.T @ load.reshape(-1, 10) + through @ through.T
         # Masses and moments of inertia differ by orders of magnitude.
         unit = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
         scaled = covariance * np.outer(unit, unit) + 1e-9 * np.eye(10)
-        return float((error * unit) @ np.linalg.solve(scaled, error * unit))
+        return float((error * unit) @ np.linalg.solve(scaled, error * unit)) / 10.0
 
 
-def share_left_out(system, left_out, density, friction, drift):
+def share_left_out(system, left_out, weights, drift):
     """
     Return the share of the stated variances at which loads found in a LeftOut err as stated.
 
-    system: the System it was found with; density (n,) [Nm^2 s], friction (n,) [Nm], drift (n, 3)
-    as the model will state them. The largest over lengths of windows, and a standard error more,
-    is the safe one.
+    system: the System it was found with; weights (N, n) of its rows, drift (n, 3) as the model
+    will state them. The largest over lengths of windows, and a standard error more, is the safe
+    one.
     """
-    stuck = stuck_density(system.z, system.doubt, system.velocity, friction)
     roots = {part: _root(covariance) for part, covariance in left_out.covariances.items()}
     parts = np.unique(np.stack([system.owner, left_out.part]), axis=1, return_inverse=True)[1]
 
@@ -83,11 +79,11 @@ def share_left_out(system, left_out, density, friction, drift):
         return Window(system.robot.load_columns(columns[:, :, :10 * system.robot.n]),
                       nuisance_columns(columns, roots[left_out.part[rows.start]], drift,
                                        system.z[rows], system.velocity[rows]),
-                      left_out.residual[rows], stuck[rows], system.dt[rows])
+                      left_out.residual[rows], weights[rows])
 
     shares = []
     for length in WINDOWS:
-        squares = [window(rows).squared_error(density) / 10.0
+        squares = [window(rows).squared_error()
                    for rows in slices_of(system.dt, parts.ravel(), length)]
         if len(squares) > 1:
             shares.append(share_of(squares) + np.std(squares) / np.sqrt(len(squares)))
@@ -95,7 +91,7 @@ def share_left_out(system, left_out, density, friction, drift):
 
 
 def share_of(squares):
-    """Return the mean of squared errors per dimension, with ASSUMED; 1 if there is none."""
+    """Return the mean of squared errors of Windows, with ASSUMED; 1 if there is none."""
     return (np.sum(squares) + ASSUMED) / (len(squares) + ASSUMED)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .effects import EffectInput
-from .late_load import LateLoad
+from .late_rows import LateRows
 from .load import products_from_message
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
@@ -56,8 +56,10 @@ class ModelFollower:
         self._noise = SampleNoise(model.residuals.rmse) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
-        self._late_load = LateLoad({use.joint: (model.mean[where.start], use.shape['shift'])
-                                    for use, where in model.slices() if use.name == 'time_delay'})
+        delays = {use.joint: (model.mean[where.start], use.shape['shift'])
+                  for use, where in model.slices() if use.name == 'time_delay'}
+        self._late_load = LateRows(delays)
+        self._late_doubt = LateRows({j: (1.0, seconds) for j, (_, seconds) in delays.items()})
         self._forget_torques()
 
     @property
@@ -75,6 +77,7 @@ class ModelFollower:
     def _forget_torques(self):
         self._before = None
         self._late_load.restart()
+        self._late_doubt.restart()
         self._teeth = [PlayState() for _ in self.model.robot.joints]
 
     def carry(self, belief, method, beside=0.0):
@@ -127,6 +130,7 @@ class ModelFollower:
         level = self._friction + self._gear_friction * np.abs(
             columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
         stuck = stuck_variance(z, doubt, sample.v, level)
+        stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
         # Identification measured the residual's density; sampled more rarely it has more.
         density = self.model.residuals.load_intensity
         if self._noise is not None:
@@ -148,7 +152,7 @@ def load_through_effects(model, columns, load, sample, z, believed):
 
     columns Y (n, P), load K (n, 10) and friction state z (n,) at a MotionSample; believed (n,)
     [Nm]: torque of the load that is thought to be held. A wrong gain scales the load's torque too,
-    friction grows with it, a leaning base turns its weight. LateLoad adds what a delay does. The
+    friction grows with it, a leaning base turns its weight. LateRows adds what a delay does. The
     torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
     torque round: there |gear + load| is not |gear| and something.
     """
@@ -167,5 +171,6 @@ def load_through_effects(model, columns, load, sample, z, believed):
             gain[j] += value[0] * direction[j] * z[j]
             turned[j] += value[0] * (direction[j] * gear[j] - np.abs(gear[j])) * z[j]
         elif use.name == 'base_tilt':
-            leaning = np.einsum('a,ajk->jk', value, robot.tilted_load_columns(sample.q))
+            leaning = np.einsum('a,ajk->jk', value,
+                                robot.tilted_load_columns(sample.q, value))
     return gain[:, None] * load + leaning, turned

@@ -122,17 +122,18 @@ class Robot:
             tau += self.load_regressor(q, v, a) @ load.to_products()
         return tau
 
-    def tilt_regressor(self, q, links):
+    def tilt_regressor(self, q, links, angles=(0.0, 0.0)):
         """
-        Return (n, 2) [Nm/rad]: torque of the links' weight when gravity is turned.
+        Return (n, 2) [Nm/rad]: columns for what turned gravity does to the torque of links.
 
-        By one radian to first order about the tilt axes. links (10 n,): products.
+        links (10 n,): products; angles (2,) [rad]: about the tilt axes, as one rotation vector.
+        The columns times these angles are all that the turn changes; at zero, to first order.
         """
-        return np.stack([y @ links for y in self._tilted(q)], axis=-1)
+        return np.stack([y @ links for y in self._tilted(q, angles)], axis=-1)
 
-    def tilted_load_columns(self, q):
+    def tilted_load_columns(self, q, angles=(0.0, 0.0)):
         """Return (2, n, 10): the same of a load, as columns for its products."""
-        return np.array([self.load_columns(y) for y in self._tilted(q)])
+        return np.array([self.load_columns(y) for y in self._tilted(q, angles)])
 
     def tilt_axes(self):
         """
@@ -147,17 +148,29 @@ class Robot:
         return np.array([first, np.cross(first, down)])
 
     @cached_property
-    def _turned_gravity(self):
-        """How gravity changes (2, 3) per radian about the tilt axes."""
+    def _across_gravity(self):
+        """Vectors (2, 3) across gravity and the tilt axes."""
         return np.cross(self.tilt_axes(), self.model.gravity.linear)
 
-    def _tilted(self, q):
+    def _gravity_changes(self, angles):
+        """
+        Return (2, 3): vectors whose sum, weighed with angles (2,) [rad], is gravity's change.
+
+        Rodrigues' rotation; its axis lies across gravity, which leaves sine and cosine. A load's
+        weight loses 1 - cosine even where the links' masses were fitted without it.
+        """
+        angles, gravity = np.asarray(angles, dtype=float), self.model.gravity.linear
+        size = np.linalg.norm(angles)
+        shortened = 0.5 * np.sinc(0.5 * size / np.pi) ** 2 * np.outer(angles, gravity)
+        return np.sinc(size / np.pi) * self._across_gravity - shortened
+
+    def _tilted(self, q, angles):
         zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()
         columns = []
-        for turned in self._turned_gravity:
-            self.model.gravity.linear = turned
+        for change in self._gravity_changes(angles):
+            self.model.gravity.linear = change
             columns.append(self.link_regressor(q, zero, zero))
-        self.model.gravity.linear = gravity
+            self.model.gravity.linear = gravity
         return columns
 
     def hand_jacobian(self, q):

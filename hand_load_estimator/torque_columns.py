@@ -104,6 +104,7 @@ class ColumnLayout:
             (torque_bound if effect.needs & _TORQUES else plain).append(group)
         self._plain, self._torque_bound = _Groups(plain, n), _Groups(torque_bound, n)
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
+        self._tilt = next((where for use, where in pairs if use.name == 'base_tilt'), None)
 
     def fill(self, columns, x):
         """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
@@ -112,6 +113,10 @@ class ColumnLayout:
     def fill_torque_bound(self, columns, x):
         """Write the effects that depend on torques into columns (N, n, P)."""
         self._torque_bound.fill(columns, x)
+
+    def tilt(self, mean):
+        """Return the angles (2,) [rad] of a leaning base in x (P,)."""
+        return np.zeros(2) if self._tilt is None else mean[self._tilt]
 
     def plain_torque(self, columns, mean):
         """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
@@ -174,7 +179,7 @@ def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
             x, gear=gear, drive=plain, rate=_rate(plain, dt, before),
             late=lateness(plain, dt, before),
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
-            tilt=tilt_columns(robot, x.q, mean) if 'tilt' in layout.needs else None))
+            tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
 
 
@@ -207,11 +212,25 @@ def lateness(torque, dt, before=None):
     return late
 
 
+def as_reported(uses, values, dt):
+    """
+    Return values (N, n) of the moments that the torques reported at N samples dt (N,) belong to.
+
+    A joint with a delay moves already when the torque of its rest is reported.
+    """
+    delays = np.zeros(values.shape[1])
+    for use in uses:
+        if use.name == 'time_delay':
+            delays[use.joint] = use.shape['shift']
+    return values + lateness(values, dt)(delays) if delays.any() else values
+
+
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
     Return play(joints, travels, lags, pose_shares) of EffectInput at q (N, n).
 
-    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of torque_columns.
+    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of
+    torque_columns.
     """
     if dt is None:
         return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
@@ -220,9 +239,14 @@ def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     return play_along(gear + believed, inertia, robot.usual_inertia, dt, states)
 
 
-def tilt_columns(robot, q, mean):
-    """Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n) for x (P,)."""
-    return np.array([robot.tilt_regressor(row, mean[:10 * robot.n]) for row in q])
+def tilt_columns(robot, layout, q, mean):
+    """
+    Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n).
+
+    x (P,) of a ColumnLayout tells the links, and the turn that the columns are exact for.
+    """
+    links, angles = mean[:layout.links], layout.tilt(mean)
+    return np.array([robot.tilt_regressor(row, links, angles) for row in q])
 
 
 def motion_input(robot, motion, distance):

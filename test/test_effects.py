@@ -128,25 +128,28 @@ def turned(gravity, vector):
 
 @pytest.mark.parametrize('gravity', [(0.0, 0.0, -9.81), (0.0, 3.0, -9.3), (9.81, 0.0, 0.0)])
 def test_base_tilt_is_the_torque_of_turned_gravity(gravity):
-    """To first order, on floor and wall: halving the angle halves what is left of it."""
+    """By any angle, on floor and wall, of the links and of a load alike."""
     rng, gravity = np.random.default_rng(3), np.array(gravity)
     q, zero = rng.uniform(-1.5, 1.5, (20, 4)), np.zeros(4)
-    model = model_with(four_axes(gravity=gravity.tolist()), ('base_tilt',), {})
-    axes = model.robot.tilt_axes()
+    robot = four_axes(gravity=gravity.tolist())
+    axes = robot.tilt_axes()
     # Turning gravity about itself would change nothing.
     np.testing.assert_allclose(axes @ gravity, 0.0, atol=1e-9)
     np.testing.assert_allclose(axes @ axes.T, np.eye(2), atol=1e-12)
     x = EffectInput(q, q, q, np.zeros_like(q), np.sign(q))
-    columns = torque_columns(model.robot, model.layout, x, model.mean)[:, :, 40:]
-    left = []
-    for size in (0.02, 0.01):
-        angles = size * np.array([0.6, -0.8])
+    for angles in 0.3 * np.array([0.6, -0.8]), np.array([1e-4, 0.0]):
+        model = model_with(robot, ('base_tilt',), {'base_tilt': tuple(angles)})
+        columns = torque_columns(robot, model.layout, x, model.mean)[:, :, -2:]
         leaning = four_axes(gravity=turned(gravity, angles @ axes).tolist())
         change = np.array([leaning.rigid_torque(row, zero, zero)
-                           - model.robot.rigid_torque(row, zero, zero) for row in q])
-        assert np.abs(change).max() > 0.04
-        left.append(np.abs(columns @ angles - change).max() / np.abs(change).max())
-    assert left[0] < 0.03 and left[1] < 0.6 * left[0]
+                           - robot.rigid_torque(row, zero, zero) for row in q])
+        assert np.abs(change).max() > 1e-4
+        np.testing.assert_allclose(columns @ angles, change, rtol=1e-9, atol=1e-9)
+        loads = [leaning.load_regressor(row, zero, zero) - robot.load_regressor(row, zero, zero)
+                 for row in q]
+        np.testing.assert_allclose(
+            [np.einsum('a,ajk->jk', angles, robot.tilted_load_columns(row, angles)) for row in q],
+            loads, rtol=1e-9, atol=1e-9)
 
 
 def test_a_level_base_leans_about_its_x_and_y():

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.identification import Evidence, System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import Motion, MotionFilter
-from hand_load_estimator.torque_columns import ColumnLayout, motion_input, torque_columns
+from hand_load_estimator.torque_columns import (as_reported, ColumnLayout, EffectUse,
+                                                motion_input, parameter_count, torque_columns)
 
 LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 # Values of the effects that depend on torques, large enough to be seen in one.
@@ -133,3 +135,31 @@ def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
     follower = ModelFollower(model)
     online = np.array([s.effort - follower.update(s).difference for s in found])
     np.testing.assert_allclose(online, offline, atol=1e-9)
+
+
+def test_doubt_about_friction_comes_late_with_the_torque(samples):
+    """A delayed joint moves already when what it held at rest is reported; others as before."""
+    model = model_with(four_axes(), ('torque_offset',), {'torque_offset': (0.0,)})
+    delay = EffectUse('time_delay', 1, {'shift': 2.0 * samples[1].dt})
+    late = replace(model, uses=(*model.uses, delay), mean=np.append(model.mean, 1.0),
+                   covariance=np.pad(model.covariance, (0, 1)))
+    stuck, held = (np.array([f.update(s).stuck for s in samples])
+                   for f in (ModelFollower(model), ModelFollower(late)))
+    assert np.ptp(stuck[:, 1]) > 0.0
+    np.testing.assert_array_equal(held[:, [0, 2, 3]], stuck[:, [0, 2, 3]])
+    np.testing.assert_allclose(held[2:, 1], stuck[:-2, 1], atol=1e-12)
+    dt = np.array([s.dt for s in samples])
+    np.testing.assert_allclose(as_reported(late.uses, stuck, dt), held, atol=1e-12)
+
+
+def test_weights_of_a_late_torque_are_those_of_its_moment(samples):
+    """Identification believes a delayed joint's rows as online estimation does."""
+    model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)},
+                       {'shift': 2.0 * samples[1].dt})
+    motion, _, _ = along(model, samples)
+    evidence = Evidence('run', motion, motion.effort)
+    plain = tuple(use for use in model.uses if use.name != 'time_delay')
+    late, now = (System(model.robot, uses, [evidence], model.mean[:parameter_count(4, uses)])
+                 .weights(1.0, np.ones(4)) / motion.dt[:, None] for uses in (model.uses, plain))
+    assert np.ptp(now) > 0.0
+    np.testing.assert_allclose(1.0 / late[2:], 1.0 / now[:-2], rtol=1e-9)

@@ -12,7 +12,8 @@ def test_planning_knows_the_effects_too():
     plain = model_with(four_axes(), ('base_tilt', 'time_delay'),
                        {'base_tilt': (0.0, 0.0), 'time_delay': (0.0,)})
     q, zero = np.array([0.3, 0.5, -0.7, 0.9]), np.zeros(4)
-    expected = tilted.robot.tilt_regressor(q, tilted.robot.nominal_links) @ [0.02, 0.0]
+    angles = np.array([0.02, 0.0])
+    expected = tilted.robot.tilt_regressor(q, tilted.robot.nominal_links, angles) @ angles
     np.testing.assert_allclose(tilted.torque(q, zero, zero) - plain.torque(q, zero, zero),
                                expected, atol=1e-12)
     assert np.abs(expected).max() > 0.05

@@ -19,14 +19,14 @@ def windows(factor, uncertainty=0.0, count=60):
         stuck = rng.uniform(0.0, 0.05, (N, JOINTS))
         noise = rng.normal(size=(N, JOINTS)) * np.sqrt((DENSITY + stuck) / DT)
         residual = np.sqrt(factor) * (noise + uncertain @ rng.normal(size=3))
-        out.append(Window(load, uncertain, residual, stuck, np.full(N, DT)))
+        out.append(Window(load, uncertain, residual, DT / (DENSITY + stuck)))
     return out
 
 
 @pytest.mark.parametrize('factor', [0.3, 1.0, 4.0])
 @pytest.mark.parametrize('uncertainty', [0.0, 0.2])
 def test_it_is_the_ratio_of_true_to_stated_variance(factor, uncertainty):
-    squares = [w.squared_error(DENSITY) / 10.0 for w in windows(factor, uncertainty)]
+    squares = [w.squared_error() for w in windows(factor, uncertainty)]
     assert share_of(squares) == pytest.approx(factor, rel=0.15)
 
 

@@ -145,6 +145,18 @@ def test_torque_of_another_arm_is_refused():
         refuse_the_useless(model, [*runs[:3], replace(runs[3], torque=-runs[3].torque)])
 
 
+def test_neither_a_hard_push_nor_a_short_part_makes_another_arm():
+    """A push of many times the arm's own torque; a part in which friction holds nearly all."""
+    model, (run, *_) = declared_model(), recorded()
+    rows = np.arange(len(run.torque)) < 0.06 * len(run.torque)
+    pushed = run.torque + 20.0 * rows[:, None] * run.torque.std(axis=0)
+    refuse_the_useless(model, [replace(run, torque=pushed)])
+    start, rest = cut(replace(run, torque=-run.torque), rows), cut(run, ~rows)
+    refuse_the_useless(model, [start, rest])
+    with pytest.raises(RecordingError, match='explains less than half'):
+        refuse_the_useless(model, [replace(start, name='alone'), rest])
+
+
 @pytest.mark.parametrize('celsius, warmed, words', [
     ((15.0, 35.0), (0, 1, 2, 3), None), ((25.0, 25.0), (), 'only 0.0 K'),
     ((25.0, 27.9), (), 'only 2.9 K'), ((np.nan, np.nan), (), 'none was recorded')])

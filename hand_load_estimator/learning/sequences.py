@@ -103,7 +103,7 @@ class SequenceMaker:
         level, intensity = model.friction_level(), model.residuals.intensity
         stuck = stuck_density(z, doubt, v, level)
         share = _share(Window(*(part[before] for part in (
-            load_columns, nuisances, difference, stuck, dt))), intensity)
+            load_columns, nuisances, difference, dt[:, None] / (intensity + stuck)))), dt[before])
         moving = np.flatnonzero((np.abs(v[late]) > 0.05).any(axis=1))
         return _as_float32(Sequence(
             motion=np.stack([q, v, a], axis=1)[late], difference=difference[late],
@@ -125,11 +125,10 @@ def _as_float32(sequence):
                        for name, value in vars(sequence).items()})
 
 
-def _share(run, intensity):
+def _share(run, dt):
     """Return the share of the stated variances by which a run (Window) without load errs."""
-    return share_of([
-        Window(*(part[rows] for part in vars(run).values())).squared_error(intensity) / 10.0
-        for rows in slices_of(run.dt, np.zeros(len(run.dt), dtype=int), WINDOWS[0])])
+    return share_of([Window(*(part[rows] for part in vars(run).values())).squared_error()
+                     for rows in slices_of(dt, np.zeros(len(dt), dtype=int), WINDOWS[0])])
 
 
 def _seen(rng, model, actual, motions):

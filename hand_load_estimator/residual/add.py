@@ -135,8 +135,8 @@ def _identified(model, declared, mean, covariance, evidence, own):
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
     found = Residuals(rmse, intensity, drift,
-                      load_share=share_left_out(system, left_out, intensity,
-                                                friction, drift))
+                      load_share=share_left_out(system, left_out,
+                                                system.weights(intensity, friction), drift))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)

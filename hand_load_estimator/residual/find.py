@@ -9,8 +9,8 @@ from ..identification import recording_numbers
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
-from ..torque_columns import (EffectUse, lateness, motion_input, play_columns, tilt_columns,
-                              torque_columns)
+from ..torque_columns import (as_reported, EffectUse, lateness, motion_input, play_columns,
+                              tilt_columns, torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 
@@ -138,7 +138,7 @@ def _of_recording(model, evidence, compared):
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \
-        + stuck_density(x.z, doubt, x.v, level)
+        + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
     turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
     weights = np.where(turning, 0.0, motion.dt[:, None] / density)
@@ -174,7 +174,7 @@ def _complete(model, x, columns, dt, held):
     gear = columns[:, :, :10 * n] @ model.mean[:10 * n] + held
     return replace(x, gear=gear, drive=predicted, rate=rate, late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
-                   tilt=tilt_columns(robot, x.q, model.mean))
+                   tilt=tilt_columns(robot, model.layout, x.q, model.mean))
 
 
 def _cut(dt, owner, recording):

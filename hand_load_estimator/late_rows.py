@@ -1,13 +1,13 @@
-"""What a held load does to a torque that is reported late."""
+"""What belongs to a torque that is reported late: rows of a load, doubt about friction."""
 
 from collections import deque
 
 import numpy as np
 
 
-class LateLoad:
+class LateRows:
     """
-    Remember load columns K (n, 10) along a stream, as far back as a delay may reach.
+    Remember rows (n, k), one per joint, along a stream, as far back as a delay may reach.
 
     delays {joint: (share, seconds)}: of the joint's torque that share comes so much later.
     """
@@ -18,24 +18,24 @@ class LateLoad:
         self.restart()
 
     def restart(self):
-        """Forget what was; before the first columns the load stood still."""
+        """Forget what was; before the first rows everything stood still."""
         self._past, self._time = deque(), 0.0
 
-    def change(self, columns, dt):
-        """Return (n, 10): what the delays add to columns K (n, 10), dt [s] after the last."""
-        out = np.zeros_like(columns)
+    def change(self, rows, dt):
+        """Return (n, k): what the delays add to rows (n, k), dt [s] after the last."""
+        out = np.zeros_like(rows)
         if not self._delays:
             return out
         self._time += dt
-        self._past.append((self._time, columns))
+        self._past.append((self._time, rows))
         while len(self._past) > 1 and self._past[1][0] <= self._time - self._longest:
             self._past.popleft()
         for joint, (share, seconds) in self._delays.items():
-            out[joint] = share * (self._ago(joint, seconds) - columns[joint])
+            out[joint] = share * (self._ago(joint, seconds) - rows[joint])
         return out
 
     def _ago(self, joint, seconds):
-        """Return the joint's columns (10,) so many seconds ago, on straight lines between."""
+        """Return the joint's row (k,) so many seconds ago, on straight lines between."""
         then = self._time - seconds
         before = at = self._past[0]
         for at in self._past:
