@@ -12,7 +12,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.difference_function import DifferenceFunction
 from hand_load_estimator.estimators.inducing_points import InducingPoints
 from hand_load_estimator.estimators.network_draws import NetworkDraws
-from hand_load_estimator.identification import prepare
+from hand_load_estimator.evidence import prepare
 from hand_load_estimator.joint_stream import JointStream, motion_of
 from hand_load_estimator.learning import (bayesian_network, distilled_network, neural_process,
                                           torque_gp)

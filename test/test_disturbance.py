@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_residual_trace import declared_model, noise_of, recorded
 
-from hand_load_estimator.identification import recording_numbers
+from hand_load_estimator.evidence import recording_numbers
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.contact import contact

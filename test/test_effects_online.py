@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.identification import Evidence, System
+from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.regression_system import System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import Motion, MotionFilter

@@ -7,8 +7,9 @@ import pytest
 from hand_load_estimator.cli import main
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError, RecordingError
-from hand_load_estimator.identification import (declare, Evidence, identify, nominal_model,
-                                                prior, System)
+from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.identification import declare, identify, nominal_model, prior
+from hand_load_estimator.regression_system import System
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.load_file import write_load_file

@@ -10,7 +10,9 @@ import yaml
 
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.effects.knee import shows
-from hand_load_estimator.identification import Evidence, identify, System
+from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.identification import identify
+from hand_load_estimator.regression_system import System
 from hand_load_estimator.knee_fit import with_knees_fitted
 from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.residual.diagnose import diagnose

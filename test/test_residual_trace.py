@@ -8,7 +8,7 @@ import pytest
 from test_identification import waves
 
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.identification import Evidence
+from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual

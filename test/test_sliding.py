@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from test_residual_watch import JOINT, rubbed, watched
 
-from hand_load_estimator.identification import prepare
+from hand_load_estimator.evidence import prepare
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.residual.find import find_residual

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..estimators.pipeline import MOTION_START
-from ..identification import prepare
+from ..evidence import prepare
 from ..joint_stream import JointStream
 from ..load import LoadParameters
 from ..motion import Motion

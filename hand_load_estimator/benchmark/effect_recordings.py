@@ -5,7 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..identification import identify, prepare
+from ..evidence import prepare
+from ..identification import identify
 from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot

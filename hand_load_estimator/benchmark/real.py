@@ -6,7 +6,8 @@ import shutil
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..identification import identify, nominal_model, prepare
+from ..evidence import prepare
+from ..identification import identify, nominal_model
 from ..joint_stream import JointStream, motion_of, motion_samples
 from ..load import LoadParameters
 from ..recording import read_recording

@@ -68,7 +68,7 @@ def run(args):
 
 def _read(model, path, args, given):
     """Return (Evidence, Recording, known load) of one recording."""
-    from ..identification import prepare
+    from ..evidence import prepare
     from ..joint_stream import motion_of
     from ..recording import read_recording
     from .identify import known_load

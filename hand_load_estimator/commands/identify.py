@@ -27,7 +27,7 @@ def add_arguments(parser):
 
 def read_evidence(robot, args):
     """Return a list of Evidence: recordings of the arguments, with --load or their load.yaml."""
-    from ..identification import prepare
+    from ..evidence import prepare
     from ..joint_stream import motion_of
     from ..load_file import load_of_argument
     from ..recording import read_recording

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..identification import System, density
+from ..regression_system import System
+from ..residual_noise import density
 from ..torque_columns import warmth_of
 from .difference_inputs import difference_inputs
 

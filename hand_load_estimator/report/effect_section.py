@@ -94,7 +94,8 @@ def _gain(finding):
     e = finding.evidence
     if finding.recording:
         return ('The samples of that time are more likely with it by '
-                f'<strong>{number_text(e.gain)} nats</strong>, all that the arm usually does fitted beside it. Needed: '
+                f'<strong>{number_text(e.gain)} nats</strong>, all that the arm usually does '
+                'fitted beside it. Needed: '
                 f'{number_text(e.needed)} nats, with {e.hypotheses} intervals tried.')
     return (
         'On data not used for its fit the model with it gains '
@@ -145,5 +146,6 @@ def effect_section(number, finding, joints):
     name = 'unknown effect' if finding.name == UNKNOWN else name_words(finding.name)
     title = f'{as_sentence(name)} – {where(finding, joints)}'
     return (f'<section id="effect-{number}"><h2>{label_html(title)}</h2>'
-            f'<p>{badges_html(finding)}</p>' + _physics(finding) + _pictures(finding) + _parameters(finding) + _doubt(finding)
+            f'<p>{badges_html(finding)}</p>' + _physics(finding) + _pictures(finding)
+            + _parameters(finding) + _doubt(finding)
             + _evidence(finding, joints) + '</section>')

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..identification import System, density, drift_of, held_out, prior, rmse_of
+from ..identification import prior
+from ..regression_system import System, held_out
+from ..residual_noise import density, drift_of, rmse_of
 from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
 from ..torque_columns import ColumnLayout, effect_slices

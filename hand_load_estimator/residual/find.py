@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput
-from ..identification import recording_numbers
+from ..evidence import recording_numbers
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
