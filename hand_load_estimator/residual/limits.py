@@ -38,9 +38,9 @@ def refuse_another_robot(model, evidence):
         parts = [_explained(model, e) for e in evidence if e.name == name]
         measured, rigid = (np.concatenate(rows) for rows in zip(*parts))
         loaded = rigid.std(axis=0) > 5.0 * model.noise
-        if loaded.any() and (_left(measured, rigid) > STRANGE)[loaded].mean() > 0.5:
+        if loaded.any() and np.median(_left(measured, rigid)[loaded]) > STRANGE:
             raise RecordingError(
-                f'{name}: the model explains less than half of the torque of most joints; it '
+                f'{name}: the model explains less than half of the torque of half the joints; it '
                 'belongs to another robot, unit, sign or mounting; try `hand_load check`')
 
 
