@@ -6,8 +6,9 @@ watches the residual, but several times what an estimate of the load suffers fro
 of an identification tell the latter: the load found in a window of them is wrong by
 b = sum K^T W r, which by the statement has covariance S = sum K^T W K + G G^T (noise, and the
 model's own uncertainty through G = sum K^T W N). For a consistent estimator b^T S^-1 b, the
-normalised estimation error squared, is 10 on average; what it is of 10 is the share of all stated
-variances that an estimate suffers from. Scaling all of them alike leaves the estimate as it is.
+normalised estimation error squared, is the rank of S on average; what it is of that is the share
+of all stated variances that an estimate suffers from. Scaling all of them alike hardly moves the
+estimate: only its prior, and noise measured online, weigh differently.
 """
 
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ from .torque_model import nuisance_columns
 
 # Lengths [s] of windows: what an estimate is made from soon after the start of a motion and later.
 WINDOWS = (5.0, 10.0, 20.0)
+# Directions told less than this, in units of each parameter's own, are rounding.
+LEAST_TOLD = 1e-9
 # Windows of agreement at share 1 that are taken for granted: a short recording tells little.
 ASSUMED = 1.0
 
@@ -51,7 +54,11 @@ class Window:
     weights: np.ndarray
 
     def squared_error(self):
-        """Return b^T S^-1 b over its ten dimensions: 1 on average where the statement is true."""
+        """
+        Return b^T S^-1 b over the rank of S: 1 on average where the statement is true.
+
+        NaN where the window tells nothing of a load.
+        """
         load = self.load
         weighed = (load * self.weights[:, :, None]).reshape(-1, 10)
         error = self.residual.reshape(-1) @ weighed
@@ -59,8 +66,12 @@ class Window:
         covariance = weighed.T @ load.reshape(-1, 10) + through @ through.T
         # Masses and moments of inertia differ by orders of magnitude.
         unit = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        scaled = covariance * np.outer(unit, unit) + 1e-9 * np.eye(10)
-        return float((error * unit) @ np.linalg.solve(scaled, error * unit)) / 10.0
+        values, axes = np.linalg.eigh(covariance * np.outer(unit, unit))
+        # A standing arm, or one of few axes, tells nothing in some directions: b is zero there.
+        told = values > LEAST_TOLD
+        if not told.any():
+            return np.nan
+        return float(np.mean((error * unit @ axes[:, told]) ** 2 / values[told]))
 
 
 def share_left_out(system, left_out, weights, drift):
@@ -85,6 +96,7 @@ def share_left_out(system, left_out, weights, drift):
     for length in WINDOWS:
         squares = [window(rows).squared_error()
                    for rows in slices_of(system.dt, parts.ravel(), length)]
+        squares = [square for square in squares if np.isfinite(square)]
         if len(squares) > 1:
             shares.append(share_of(squares) + np.std(squares) / np.sqrt(len(squares)))
     return float(max(shares, default=1.0))
@@ -92,6 +104,8 @@ def share_left_out(system, left_out, weights, drift):
 
 def share_of(squares):
     """Return the mean of squared errors of Windows, with ASSUMED; 1 if there is none."""
+    squares = np.asarray(squares)
+    squares = squares[np.isfinite(squares)]
     return (np.sum(squares) + ASSUMED) / (len(squares) + ASSUMED)
 
 

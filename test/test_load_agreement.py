@@ -30,6 +30,26 @@ def test_it_is_the_ratio_of_true_to_stated_variance(factor, uncertainty):
     assert share_of(squares) == pytest.approx(factor, rel=0.15)
 
 
+@pytest.mark.parametrize('rank', [1, 4, 8])
+def test_directions_nothing_is_told_of_do_not_count(rank):
+    """A standing arm or one of few axes knows less; what it knows is judged alone."""
+    rng = np.random.default_rng(5)
+    blind = rng.normal(size=(rank, 10)) * 10.0 ** np.linspace(0.0, -3.0, 10)
+    squares = []
+    for _ in range(80):
+        load = rng.normal(size=(N, JOINTS, rank)) @ blind
+        noise = rng.normal(size=(N, JOINTS)) * np.sqrt(DENSITY / DT)
+        squares.append(Window(load, np.zeros((N, JOINTS, 1)), noise,
+                              np.tile(DT / DENSITY, (N, 1))).squared_error())
+    assert np.mean(squares) == pytest.approx(1.0, rel=0.4 / np.sqrt(rank))
+
+
+def test_a_window_that_tells_nothing_is_left_out():
+    nothing = Window(np.zeros((N, JOINTS, 10)), np.zeros((N, JOINTS, 1)), np.ones((N, JOINTS)),
+                     np.ones((N, JOINTS))).squared_error()
+    assert np.isnan(nothing) and share_of([nothing, 3.0]) == 2.0
+
+
 def test_without_data_the_statement_stands():
     assert share_of([]) == 1.0
 

@@ -16,7 +16,8 @@ from hand_load_estimator.residual.watch import Aged
 THEN = np.array([0.5, 0.41, np.nan, 0.2])
 
 
-def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN):
+def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN,
+             enough=(True,) * 4):
     """Return what is said of a model with residuals now (4,) [Nm], joints aged."""
     model = exact_model('four')
     model = replace(model, diagnosed=diagnosed,
@@ -25,7 +26,7 @@ def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=T
     found = tuple(Aged(name, 2.1, 5.0, 45.0, now[model.robot.joints.index(name)])
                   for name in aged)
     watch = SimpleNamespace(aged=found, residual=now, ratio=np.full(4, 2.0),
-                            seconds=np.full(4, 60.0), enough=np.full(4, True))
+                            seconds=np.full(4, 60.0), enough=np.array(enough))
     return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path('m.yaml')), 0.0,
                         StampBase())
 
@@ -64,3 +65,9 @@ def test_a_good_model_tells_its_diagnosis_too():
     level, message, values = reported([0.5, 0.4, 0.3, 0.2], ())
     assert (level, message) == (OK, 'residuals are what the model states')
     assert values['residual j3 at the last diagnosis [Nm]'] == 0.2
+
+
+def test_a_joint_not_judged_yet_has_no_figure():
+    _, _, values = reported([0.5, 1.02, 0.0, 0.2], enough=(True, True, False, True))
+    assert 'residual j2 [Nm]' not in values and 'residual ratio j2' not in values
+    assert values['residual j3 [Nm]'] == 0.2

@@ -33,7 +33,7 @@ class LoadRegression:
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, watch=True):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
         self._joints = n
-        # What changes on the way is judged by the safe figures: variances as they were stated.
+        # Variances scaled down make evidence of model error; so the threshold goes up with them.
         self._evidence = EVIDENCE / min(load_share, 1.0)
         # Only the doubt about torque constants asks for each joint's part.
         self._recent = RecentData(n if gain_doubt > 0.0 else 0, nuisances, MEMORY)

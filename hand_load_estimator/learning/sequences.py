@@ -7,7 +7,8 @@ seen through the estimator's own filter and torque model. Only differences matte
 model is linear: tau_real - tau_mdl = K m + Y (x_true - x) + what the model lacks + noise.
 
 Before that the same arm makes another motion without a load, which tells the share of the stated
-density its estimates suffer from, as identification finds it for a real arm (load_agreement.py).
+variances its estimates suffer from (load_agreement.py). It is told by two windows, where
+identification takes the largest mean of many, so the network must not trust it to a hair.
 """
 
 from dataclasses import dataclass, replace

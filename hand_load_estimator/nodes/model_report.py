@@ -17,8 +17,9 @@ def report_model(pipeline, written, base):
     written: time its file was last written [s since 1970]; base: StampBase of the input.
     """
     watch, model = pipeline.watch, pipeline.model
-    values = _of_joints('residual ratio {}', model, watch.ratio)
-    values |= _of_joints('residual {} [Nm]', model, watch.residual)
+    ratio, residual = (np.where(watch.enough, x, np.nan) for x in (watch.ratio, watch.residual))
+    values = _of_joints('residual ratio {}', model, ratio)
+    values |= _of_joints('residual {} [Nm]', model, residual)
     values |= _of_joints('residual {} at the last diagnosis [Nm]', model, _diagnosed(model))
     values |= _of_joints('motion judged {} [s]', model, watch.seconds)
     values['file'] = pipeline.model_file

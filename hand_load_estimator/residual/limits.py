@@ -36,12 +36,12 @@ def refuse_another_robot(model, evidence):
         # The parts of a recording together: in a short one alone hardly a joint may have moved,
         # and at rest friction hides what the model explains.
         parts = [_explained(model, e) for e in evidence if e.name == name]
-        measured, rigid = (np.concatenate(rows) for rows in zip(*parts))
-        loaded = rigid.std(axis=0) > 5.0 * model.noise
-        if loaded.any() and np.median(_left(measured, rigid)[loaded]) > STRANGE:
+        measured, modelled = (np.concatenate(rows) for rows in zip(*parts))
+        loaded = modelled.std(axis=0) > 5.0 * model.noise
+        if loaded.any() and np.median(_left(measured, modelled)[loaded]) > STRANGE:
             raise RecordingError(
-                f'{name}: the model explains less than half of the torque of half the joints; it '
-                'belongs to another robot, unit, sign or mounting; try `hand_load check`')
+                f'{name}: the model explains less than half of the torque of half the joints that '
+                'carry load; it belongs to another robot, unit, sign or mounting; try `hand_load check`')
 
 
 def _explained(model, evidence):
