@@ -40,8 +40,8 @@ def refuse_another_robot(model, evidence):
         loaded = modelled.std(axis=0) > 5.0 * model.noise
         if loaded.any() and np.median(_left(measured, modelled)[loaded]) > STRANGE:
             raise RecordingError(
-                f'{name}: the model explains less than half of the torque of half the joints that '
-                'carry load; it belongs to another robot, unit, sign or mounting; try `hand_load check`')
+                f'{name}: the model explains less than half of the torque of half the joints '
+                'that carry load; it belongs to another robot, unit, sign or mounting; try `hand_load check`')
 
 
 def _explained(model, evidence):
