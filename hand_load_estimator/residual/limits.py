@@ -41,7 +41,8 @@ def refuse_another_robot(model, evidence):
         if loaded.any() and np.median(_left(measured, modelled)[loaded]) > STRANGE:
             raise RecordingError(
                 f'{name}: the model explains less than half of the torque of half the joints '
-                'that carry load; it belongs to another robot, unit, sign or mounting; try `hand_load check`')
+                'that carry load; it belongs to another robot, unit, sign or mounting; try '
+                '`hand_load check`')
 
 
 def _explained(model, evidence):
