@@ -153,7 +153,7 @@ def test_another_arms_artefact_is_refused(folder, tmp_path, capsys, change, word
 
 def test_a_network_of_another_kind_is_refused(folder, tmp_path):
     artefact = read_artefact(folder / 'first', exact_model('four').robot)
-    weights = {**artefact.weights, 'joint_head.weight': np.zeros((2, HIDDEN + 1))}
+    weights = {**artefact.weights, 'joint_head.weight': np.zeros((1, HIDDEN + 1))}
     write_artefact(tmp_path, weights, artefact.calibration, artefact.card)
     with pytest.raises(ConfigurationError, match='joint_head.weight'):
         train(folder / 'model.yaml', tmp_path / 'out', TINY, 'cpu', print, tmp_path)

@@ -1,9 +1,9 @@
 """
-Method `lstm`: a trained LSTM corrects and weighs every sample of the regression (E1.3, E6.1).
+Method `lstm`: a trained LSTM corrects every sample of the regression (E1.3, E6.1).
 
 The network sees motion, torque difference and temperature of each joint (E3.1), the regressor's
 domain through the running Bayesian posterior (E4.1), and gives the mean and the variance of the
-ten parameters: through its corrections and precisions, and by shift and spread of the outcome.
+ten parameters: through its corrections, and by shift and spread of the outcome.
 The forward pass is numpy, because one sample through torch costs more than the arithmetic.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
-from ..learning.network_bounds import CORRECTION, GAIN, SHIFT, SPREAD
+from ..learning.network_bounds import CORRECTION, SHIFT, SPREAD
 from ..load import message_from_shape
 from .contact_gate import ContactGate
 from .information import message_covariance
@@ -60,10 +60,9 @@ class LstmCell:
 
     def __init__(self, weights, joints):
         self._gates = _gates(weights)
-        self._joint_bounds = np.array([CORRECTION, GAIN])
         self._load_bounds = np.repeat([SHIFT, SPREAD], 10)
-        # A tanh that is bounded by its slope at zero, but for the correction.
-        self._joint = _head(weights, 'joint_head', np.array([1.0, GAIN]))
+        self._joint = _head(weights, 'joint_head', np.ones(1))
+        # A tanh that is bounded by its slope at zero.
         self._load = _head(weights, 'load_head', self._load_bounds)
         self._joints = joints
         self.fingerprint = np.array([np.abs(value).sum() for value in weights.values()])
@@ -76,7 +75,7 @@ class LstmCell:
         self._seen = np.ones((self._joints, len(self._gates)))
 
     def step(self, inputs):
-        """Return correction, gain (n,), shift, spread (10,) for inputs (n, F)."""
+        """Return correction (n,), shift, spread (10,) for inputs (n, F)."""
         h, c = self.memory
         hidden = c.shape[1]
         seen = self._seen
@@ -89,9 +88,9 @@ class LstmCell:
         c = opened[:, hidden:2 * hidden] * c + opened[:, :hidden] * gates[:, 3 * hidden:]
         h = opened[:, 2 * hidden:] * np.tanh(c)
         self.memory = h, c
-        joint = self._joint_bounds * np.tanh(h.dot(self._joint[0]) + self._joint[1])
+        correction = CORRECTION * np.tanh(h.dot(self._joint[0]) + self._joint[1])
         load = self._load_bounds * np.tanh(h.ravel().dot(self._load[0]) + self._load[1])
-        return joint[:, 0], joint[:, 1], load[:10], load[10:]
+        return correction[:, 0], load[:10], load[10:]
 
 
 class Lstm(Watching):
@@ -139,11 +138,11 @@ class Lstm(Watching):
             self._restart()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
-        correction, gain, self._shift, self._spread = self._cell.step(
+        correction, self._shift, self._spread = self._cell.step(
             self._features(sample, prediction, load))
         weights = sample.dt / prediction.density
         self._learned.add(sample, columns, prediction.difference - correction * self._level,
-                          weights * np.exp(gain))
+                          weights)
         self._learned.update_posterior()
         # The plain regression only serves the next innovation.
         self._unsettled = sample, columns, prediction.difference, weights

@@ -99,7 +99,7 @@ def _check_tensors(folder, tensors, robot):
     n = robot.n
     expected = dict(zip(_SHAPES, (
         (4 * hidden, feature_count(n)), (4 * hidden, hidden), (4 * hidden,), (4 * hidden,),
-        (2, hidden), (2,), (20, n * hidden), (20,), (10, len(LEVELS)))))
+        (1, hidden), (1,), (20, n * hidden), (20,), (10, len(LEVELS)))))
     for name, shape in expected.items():
         if name not in tensors or tensors[name].shape != shape \
                 or not np.isfinite(tensors[name]).all():

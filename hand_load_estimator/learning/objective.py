@@ -27,9 +27,8 @@ def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
     last = [(k + 1) * REFRESH - 1 for k in judged]
     shift = spread = None
     if network is not None:
-        correction, gain, shift, spread = network(shard['inputs'])
+        correction, shift, spread = network(shard['inputs'])
         difference = difference - correction * shard['level'][:, None, :]
-        weights = weights * torch.exp(gain)
         shift, spread = shift[:, last].double(), spread[:, last].double()
     matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
     picked = list(judged)

@@ -93,7 +93,7 @@ def _card(model, job, spans, scores, seconds):
     return {
         'name': f'LSTM load network for {model.robot.name}',
         'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
-        'outputs': 'correction and precision per joint for the recursive regression; shift and '
+        'outputs': 'correction per joint for the recursive regression; shift and '
                    f'spread of {", ".join(MESSAGE_ORDER)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
         'model_recordings': list(model.recordings), **job, 'sequence_seconds': DURATION,
