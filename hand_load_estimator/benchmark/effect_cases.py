@@ -51,13 +51,18 @@ class EffectCase:
         return '-'.join([self.kind, *parts, str(self.plant)])
 
 
+def plants_of(development=False):
+    """Return the plant seeds of this suite."""
+    return _DEVELOPMENT if development else _BENCHMARK
+
+
 def suite_cases(robot, development=False):
     """
     Return all EffectCases for a robot, those of one plant together.
 
     development: the same on plants and loads that are for looking and choosing.
     """
-    plants = _DEVELOPMENT if development else _BENCHMARK
+    plants = plants_of(development)
     cases = [*_singles(robot, plants), *_pairs(robot, plants), *_outside(robot, plants),
              *(EffectCase(CLEAN, plant) for plant in plants)]
     return sorted(cases, key=lambda case: case.plant)

@@ -5,10 +5,11 @@ import numpy as np
 from ..motion import BLOCK
 from .contestants import REGRESSOR
 from .document import Heading, Picture, Table, Text
-from .measure import RATE
-from .real import MOMENTS
+from .measure import MOMENTS, RATE
+from .real import MOMENTS as REAL_MOMENTS
 
 SAMPLES = 1.0 / BLOCK   # [1/s]
+_RETRAINING_MOMENTS = MOMENTS[1:]
 
 
 def _seconds(value):
@@ -72,7 +73,7 @@ def real_blocks(content):
              'load of run load_2600 is known by the file name only.' + _left_out(content)),
         Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
                'inside the 95 % interval [%]'], figures),
-        Table([f'mass error {MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]
+        Table([f'mass error {REAL_MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]
 
 
 def _error(run, name):
@@ -135,3 +136,31 @@ def _draw_soak(figure, rows):
     bottom.plot(hours, 1e6 * seconds)
     bottom.set(ylabel='per message [us]', xlabel='replayed [h]',
                ylim=(0.0, 1.3e6 * np.max(seconds)))
+
+
+def retraining_blocks(content):
+    """Return the blocks of the retraining suite."""
+    blocks = [
+        Heading('The learned artefact beside a better torque model', 1),
+        Text('An effect happened to an arm after its identification; `hand_load diagnose` found it '
+             'and wrote the better model. Loads nobody knows are then estimated with that model '
+             'and: the artefact as it was, only its intervals calibrated anew, fine-tuned, '
+             'trained anew from scratch on draws around the better model; and without a network.')]
+    for case in content['cases']:
+        rows = [[choice, _minutes(case['seconds'].get(choice)),
+                 *(f'{1e3 * figures["mass"][m]:.1f}' for m in _RETRAINING_MOMENTS),
+                 f'{1e3 * figures["com"][MOMENTS[-1]]:.2f}',
+                 f'{1e3 * figures["half_width"]["1 s"]:.0f}', f'{100.0 * figures["coverage"]:.1f}']
+                for choice, figures in case['choices'].items()]
+        blocks += [
+            Heading(f'{case["effect"]} on {", ".join(case["joints"])}, plant {case["plant"]}, '
+                    f'{case["runs"]} loads'),
+            Table(['artefact', 'training [min]',
+                   *(f'mass RMSE, {m} [g]' for m in _RETRAINING_MOMENTS),
+                   f'centre of mass, {MOMENTS[-1]} [mm]', 'half-width at 1 s [g]',
+                   'inside 95 % intervals [%]'], rows)]
+    return blocks
+
+
+def _minutes(seconds):
+    return '-' if seconds is None else f'{seconds / 60.0:.1f}'

@@ -17,14 +17,17 @@ from .changes import change_jobs, change_scores, measure_job
 from .contestants import chosen_methods, DEFAULT
 from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
+from .effect_cases import plants_of
 from .execute import measure_all, PROCESSES
 from .goals import goal_rows, goal_table
 from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
-from .other_pages import change_blocks, cost_blocks, real_blocks, soak_blocks
+from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
+                          soak_blocks)
 from .page import suite_blocks
 from .real import measure_set, real_jobs, real_scores
+from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
                      verdicts)
 from .soak import run_soak
@@ -33,9 +36,11 @@ from .suites import cases_of, SUITES
 SCHEMA = 'hand_load/benchmark/1'
 # Suites that are no accuracy suite on one simulated arm.
 ARM_SUITES = tuple(f'arms-{name}' for name in ARMS)
-OTHERS = ('changes', 'real', 'cost', 'soak')
-# `all` is everything the goals need; `development` is for looking, `effects` judges diagnosis.
-ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES, *OTHERS)
+OTHERS = ('changes', 'real', 'cost', 'soak', 'retraining')
+# `all` is everything the goals need; `development` is for looking, `effects` and `retraining`
+# judge diagnosis and what follows from it.
+ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES,
+       *(name for name in OTHERS if name != 'retraining'))
 
 
 @dataclass(frozen=True)
@@ -184,6 +189,12 @@ def _other(name, robot_path, options, raw, write):
         jobs = cost_jobs(options.robot, options.learned, options.methods)
         content = cost_scores(_some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw))
         return content, cost_blocks
+    if name == 'retraining':
+        jobs = retraining_jobs(robot_path, plants_of(options.development), options.learned,
+                               raw, options.cases)
+        # In this process: training takes all cores by itself.
+        found = measure_all(measure_retraining, jobs, raw, workers=0)
+        return retraining_scores(found), retraining_blocks
     method = chosen_methods(options.methods)[0]
     content = run_soak(options.robot, method, options.learned if method == DEFAULT else None,
                        24.0 if options.hours is None else options.hours, raw, write)

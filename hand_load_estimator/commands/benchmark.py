@@ -23,7 +23,8 @@ def add_arguments(parser):
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
                              'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
-                             'cost, soak, or several of them with commas; all; or effects '
+                             'cost, soak, retraining (the artefact beside a better model), or '
+                             'several of them with commas; all (but for retraining); or effects '
                              '(diagnosis of undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
