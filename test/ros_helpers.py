@@ -55,7 +55,8 @@ class NodeProcess:
         self._output = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
             [*command, *map(str, arguments)], env=environment or node_environment(domain),
-            stdout=self._output, stderr=subprocess.STDOUT, cwd=tempfile.gettempdir())
+            stdout=self._output, stderr=subprocess.STDOUT, cwd=tempfile.gettempdir(),
+            process_group=0)
 
     @property
     def output(self):

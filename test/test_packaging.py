@@ -111,16 +111,34 @@ def test_pip_installs_entry_points_and_they_answer(pip_prefix):
     assert 'demo' in said and 'estimate' in said
 
 
+def sourced(workspace, domain):
+    """Return the environment of a shell that has sourced the workspace, on a domain."""
+    base = {key: value for key, value in node_environment(domain).items()
+            if key in clean_environment() or key.startswith('ROS_')}
+    said = subprocess.run(['bash', '-c', f'. {workspace.parent / "setup.bash"} && env -0'],
+                          env=base, check=True, capture_output=True, text=True).stdout
+    return dict(line.split('=', 1) for line in said.split('\0') if line)
+
+
+def executable_of(package, name, environment):
+    """Return the path `ros2 run PACKAGE NAME` starts: by the ament index, below lib/PACKAGE."""
+    code = 'import sys, ament_index_python as a; print(a.get_package_prefix(sys.argv[1]))'
+    prefix = subprocess.run([sys.executable, '-c', code, package], env=environment, check=True,
+                            capture_output=True, text=True).stdout.strip()
+    found = [path for path in (Path(prefix) / 'lib' / package).rglob(name)
+             if os.access(path, os.X_OK)]
+    assert len(found) == 1, found
+    return found[0]
+
+
 def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
     """What `ros2 run` would start: all three on one domain, SIGTERM or Ctrl-C, exit code 0."""
     with free_domain() as domain, Listener(domain) as listener:
         joint_states = listener.listen(JointState, '/joint_states', measurement(1000))
         diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
-        environment = {**clean_environment(), **{
-            key: value for key, value in node_environment(domain).items() if key != 'PYTHONPATH'},
-            'PYTHONPATH': str(site_packages(workspace)), 'AMENT_PREFIX_PATH': str(workspace)}
+        environment = sourced(workspace, domain)
         nodes = {name: NodeProcess(
-            workspace / 'lib' / PACKAGE / f'{name}_node', domain, environment=environment,
+            executable_of(PACKAGE, f'{name}_node', environment), domain, environment=environment,
             arguments=['--ros-args', '--params-file',
                        workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
             for name in ('simulator', 'estimator', 'controller')}
@@ -143,6 +161,24 @@ def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
         finally:
             for node in nodes.values():
                 node.kill()
+
+
+@pytest.mark.skipif(shutil.which('ros2') is None, reason='no ros2 command: it is not on PyPI')
+def test_ros2_run_starts_a_built_node(workspace):
+    """The command line of the README, Ctrl-C as a terminal sends it to both processes."""
+    with free_domain() as domain, Listener(domain) as listener:
+        diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
+        node = NodeProcess(
+            shutil.which('ros2'), domain, environment=sourced(workspace, domain),
+            arguments=['run', PACKAGE, 'estimator_node', '--ros-args', '--params-file',
+                       workspace / 'share' / PACKAGE / 'config' / 'estimator.yaml'])
+        try:
+            listener.until(lambda: diagnostics, 40.0, 'diagnostics')
+            os.killpg(node.process.pid, signal.SIGINT)
+            assert node.wait() == 0, node.output
+            assert 'Traceback' not in node.output
+        finally:
+            node.kill()
 
 
 def test_package_xml_names_every_run_time_import():
