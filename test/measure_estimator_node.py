@@ -5,10 +5,12 @@ Measure the estimator node: share of messages used, delay from message to estima
 
 A process plays a simulated arm's joint states, each stamped when it is sent; this one hears the
 estimates. The delay is the time from sending the newest joint state in an estimate to hearing
-that estimate, DDS both ways included.
+that estimate, DDS both ways included. What of it is not the estimator's is measured in the same
+run: a node that only sends every tenth or so stamp back, as many as there are estimates.
 """
 
 import argparse
+import gc
 import os
 import struct
 import subprocess
@@ -20,9 +22,16 @@ from arm_data import Feeder, arm_samples, joint_state
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import InertiaStamped
 from rclpy.serialization import serialize_message
-from ros_helpers import Listener, NodeProcess, free_domain
+from rclpy.node import Node
+from ros_helpers import Listener, NodeProcess, free_domain, node_environment
+from sensor_msgs.msg import JointState
 
-from hand_load_estimator.nodes.qos import OUTPUT
+from hand_load_estimator.motion import BLOCK
+from hand_load_estimator.nodes.draining import subscribe_draining
+from hand_load_estimator.nodes.qos import OUTPUT, measurement
+from hand_load_estimator.nodes.runner import EventsExecutor, run_node
+
+_LISTEN = 'estimator/load'
 
 
 def play(domain, rate, seconds):
@@ -58,33 +67,80 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
-def measure(rate, seconds, method):
-    """Print the figures of one run."""
-    delays = []
+class Mirror(Node):
+    """Sends stamps back at the estimates' rate and does nothing else."""
 
-    def arrived(message):
+    def __init__(self, rate):
+        super().__init__('mirror')
+        self._each, self._count = max(round(rate * BLOCK), 1), 0
+        self._back = self.create_publisher(InertiaStamped, _LISTEN, OUTPUT)
+        subscribe_draining(self, JointState, 'joint_states', self._take, measurement(100))
+
+    def _take(self, message):
+        self._count += 1
+        if self._count % self._each == 0:
+            self._back.publish(InertiaStamped(header=message.header))
+
+
+class Ear(Listener):
+    """Hears estimates as quickly as Python can: its own slowness is not the estimator's."""
+
+    def __init__(self, domain):
+        super().__init__(domain)
+        self._executor.remove_node(self.node)
+        self._executor.shutdown()
+        self._executor = EventsExecutor(context=self.context)
+        self._executor.add_node(self.node)
+        self.delays = []
+        self.node.create_subscription(InertiaStamped, _LISTEN, self._arrived, OUTPUT)
+        gc.collect()
+        gc.freeze()
+
+    def _arrived(self, message):
         stamp = message.header.stamp
-        delays.append(time.time_ns() - stamp.sec * 10**9 - stamp.nanosec)
+        self.delays.append(1e-6 * (time.time_ns() - stamp.sec * 10**9 - stamp.nanosec))
 
-    with free_domain() as domain, Listener(domain) as listener:
-        node = NodeProcess('estimator', domain, ['--ros-args', '-p', f'method:={method}'])
-        listener.node.create_subscription(InertiaStamped, 'estimator/load', arrived, OUTPUT)
-        said = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
-        listener.until(lambda: said, 60.0, 'diagnostics')
+    def hear(self, domain, rate, seconds, pid):
+        """Play and listen; return the share of a core that process `pid` takes meanwhile."""
         sender = subprocess.Popen([sys.executable, __file__, '--play', str(domain), '--rate',
                                    str(rate), '--seconds', str(seconds)])
-        listener.until(lambda: delays, 60.0, 'an estimate')
-        used, begun = cpu_seconds(node.process.pid), time.monotonic()
-        listener.spin(seconds - 1.0)
-        share = (cpu_seconds(node.process.pid) - used) / (time.monotonic() - begun)
-        listener.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
+        self.until(lambda: self.delays, 60.0, 'an estimate')
+        used, begun = cpu_seconds(pid), time.monotonic()
+        self.spin(seconds - 1.0)
+        share = (cpu_seconds(pid) - used) / (time.monotonic() - begun)
+        self.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
+        return share
+
+    def told(self):
+        """Return the delays in words."""
+        return (f'{len(self.delays)} answers, delay median {np.median(self.delays):.2f} ms, '
+                f'99th percentile {np.percentile(self.delays, 99):.2f} ms')
+
+
+def measure(rate, seconds, method):
+    """Print the figures of one run of the estimator."""
+    with free_domain() as domain, Ear(domain) as ear:
+        node = NodeProcess('estimator', domain, ['--ros-args', '-p', f'method:={method}'])
+        said = ear.listen(DiagnosticArray, '/diagnostics', OUTPUT)
+        ear.until(lambda: said, 60.0, 'diagnostics')
+        share = ear.hear(domain, rate, seconds, node.process.pid)
         values = {pair.key: pair.value for message in said for status in message.status
                   for pair in status.values}
         node.stop()
-    delays = 1e-6 * np.array(delays)
-    print(f'{method} at {rate:g} Hz: {values["samples"]} joint states used; {len(delays)} '
-          f'estimates, delay median {np.median(delays):.2f} ms, 99th percentile '
-          f'{np.percentile(delays, 99):.2f} ms; {100 * share:.0f} % of one core')
+    print(f'{method} at {rate:g} Hz: {values["samples"]} joint states used; {ear.told()}; '
+          f'{100 * share:.0f} % of one core', flush=True)
+
+
+def measure_mirror(rate, seconds):
+    """Print the figures of a node that computes nothing."""
+    with free_domain() as domain, Ear(domain) as ear:
+        mirror = subprocess.Popen([sys.executable, __file__, '--mirror', '--rate', str(rate)],
+                                  env=node_environment(domain))
+        share = ear.hear(domain, rate, seconds, mirror.pid)
+        mirror.terminate()
+        mirror.wait()
+    print(f'nothing computed at {rate:g} Hz: {ear.told()}; {100 * share:.0f} % of one core',
+          flush=True)
 
 
 def main():
@@ -94,10 +150,14 @@ def main():
     parser.add_argument('--seconds', type=float, default=20.0)
     parser.add_argument('--method', default='lstm')
     parser.add_argument('--play', type=int, help=argparse.SUPPRESS)
+    parser.add_argument('--mirror', action='store_true', help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.play is not None:
         play(args.play, args.rate, args.seconds)
+    elif args.mirror:
+        run_node(lambda: Mirror(args.rate))
     else:
+        measure_mirror(args.rate, args.seconds)
         measure(args.rate, args.seconds, args.method)
 
 
