@@ -23,9 +23,10 @@ class Prediction:
     The torque model at one MotionSample.
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
-    the model's own unit-variance uncertainties do to the torque; z, doubt (n,): friction state
-    and how far its start is unknown; stuck (n,) [Nm^2]: variance of that; density (n,) [Nm^2 s]
-    of the difference beside the load.
+    the model's own unit-variance uncertainties do to the torque, as it states them; z, doubt
+    (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that.
+    An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
+    the difference beside the load and column_scale (r,) of model_columns are what it counts.
     """
 
     difference: np.ndarray
@@ -35,13 +36,15 @@ class Prediction:
     doubt: np.ndarray
     stuck: np.ndarray
     density: np.ndarray
+    column_scale: np.ndarray | float = 1.0
 
 
 class ModelFollower:
     """
     Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path.
 
-    measured: the samples come from an arm, so that noise can be told from them.
+    measured: the samples come from an arm, so that noise can be told from them. column_scale
+    (r,): as of every Prediction.
     """
 
     def __init__(self, model, directions=12, seed=0, measured=True):
@@ -53,6 +56,7 @@ class ModelFollower:
             if use.name == 'load_dependent_friction':
                 self._gear_friction[use.joint] = abs(model.mean[where.start])
         self._uncertain = uncertain_directions(model, directions, seed)
+        self.column_scale = np.full(self.uncertainties, np.sqrt(model.residuals.load_share))
         self._noise = SampleNoise(model.residuals.rmse) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
@@ -123,9 +127,7 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
-        share = self.model.residuals.load_share
-        nuisances = np.sqrt(share) * nuisance_columns(
-            columns, self._uncertain, self._drift, x.z, x.v)[0]
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(
             columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
@@ -136,14 +138,14 @@ class ModelFollower:
         if self._noise is not None:
             density = np.maximum(
                 density, self._noise.update(difference, sample.dt, sample.messages))
-        density = density + share * 2.0 * STUCK_TIME * stuck
+        density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
             load, turned = load_through_effects(self.model, columns[0], load, sample, z, believed)
             load = load + self._late_load.change(load, sample.dt)
             difference = difference - turned
-        return Prediction(difference, load,
-                          nuisances, z, doubt, stuck, density)
+        return Prediction(difference, load, nuisances, z, doubt, stuck, density,
+                          self.column_scale)
 
 
 def load_through_effects(model, columns, load, sample, z, believed):

@@ -16,6 +16,7 @@ import numpy as np
 
 from .errors import HandLoadError
 from .estimators.information import Information
+from .estimators.weighting import joined_columns
 from .excitation_limits import Clearance
 from .load import MESSAGE_ORDER, products_jacobian_of_message
 from .model_follower import ModelFollower
@@ -219,8 +220,7 @@ class MotionSuggester:
         for t in np.arange(0.0, motion.duration, BLOCK):
             q, v, a = motion.sample(t)
             seen = follower.update(MotionSample(t, BLOCK, q, v, a, zero, temperature, False))
-            total.add_rows(np.hstack([seen.load_columns, seen.model_columns]), zero,
-                           BLOCK / seen.density)
+            total.add_rows(joined_columns(seen), zero, BLOCK / seen.density)
         return total.load_share()[0]
 
 

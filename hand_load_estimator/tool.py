@@ -58,6 +58,8 @@ class ToolFollower:
 
     def __init__(self, follower, tool):
         self._follower, self._tool = follower, tool
+        # The file's word on the tool is taken in full.
+        self._scale = np.concatenate([np.ones(tool.root.shape[1]), follower.column_scale])
 
     @property
     def uncertainties(self):
@@ -78,4 +80,5 @@ class ToolFollower:
         columns = seen.load_columns
         # Ahead of the others: the last ones are what drifts from run to run.
         return replace(seen, difference=seen.difference - columns @ self._tool.products,
-                       model_columns=np.hstack([columns @ self._tool.root, seen.model_columns]))
+                       model_columns=np.hstack([columns @ self._tool.root, seen.model_columns]),
+                       column_scale=self._scale)

@@ -194,17 +194,17 @@ def gate(folder, monkeypatch):
     monkeypatch.setattr(GpHistogram, '_take', lambda self, *given: (
         taken.append(given), take(self, *given)))
     feed(made, stream(LOAD, 4.6, seed=7))
-    method, (sample, prediction, _) = made.method, taken[-1]
+    method, (sample, prediction, columns) = made.method, taken[-1]
     assert method.refused < 0.1 * len(taken)
 
     def ask(sigmas):
         off = sigmas * model().residuals.rmse
         believed = prediction.load_columns @ products_from_shape(np.concatenate(
             [method._places.best, load_prior(model().robot).mean[4:]]))
-        told = prediction.model_columns @ method._plain.nuisances
+        told = columns[:, 10:] @ method._plain.nuisances
         method._plain.innovation = off
         return method._opens(sample, replace(prediction, difference=believed + told + off),
-                             sample.dt / prediction.density)
+                             columns, sample.dt / prediction.density)
     return ask
 
 

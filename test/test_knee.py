@@ -1,5 +1,6 @@
 """Friction that levels off with temperature: its columns, its fit, its search, its file."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 from core_helpers import effect_uses, four_axes, true_parameters
@@ -155,6 +156,33 @@ def test_a_straight_fall_stays_straight():
     found, = diagnosis.findings
     assert found.name == COULOMB and 'knee' not in found.parameters
     assert better.uses == arm().uses and 'levels off' not in found.pictures[0].variable
+
+
+@pytest.mark.parametrize('before, now', [(KNEE, np.inf), (KNEE, 20.0), (5.0, np.inf)])
+def test_a_knee_that_moved_or_went_is_found(before, now):
+    """Friction falls as steeply as ever, but to another temperature."""
+    evidence, model = recorded(now, 0.3), arm(before, 0.3)
+    diagnosis, better = diagnose(model, list(evidence[:6]), list(evidence[6:]))
+    found, = diagnosis.findings
+    assert (found.name, found.joints) == (COULOMB, (better.robot.joints[JOINT],))
+    noise = better.noise[JOINT]
+    assert diagnosis.before[JOINT] > 1.5 * noise and diagnosis.after[JOINT] < 1.05 * noise
+    assert better.mean[-1] == pytest.approx(-0.3 * noise, rel=0.1)
+    assert better.uses[-1].shape['knee'] == pytest.approx(now, abs=1.5)
+
+
+def test_a_knee_that_recordings_do_not_reach_stays_where_it_was():
+    """They are colder than it, and tell of a steeper fall only."""
+    model = arm(20.0, 0.3)
+    known = EffectUse(COULOMB, JOINT, {'knee': 20.0}, {'knee': 0.7})
+    model = replace(model, uses=(*model.uses[:-1], known))
+    evidence = recorded(np.inf, 0.9)[:4]
+    diagnosis, better = diagnose(model, list(evidence[:3]), list(evidence[3:]))
+    found, = diagnosis.findings
+    assert found.name == COULOMB
+    assert better.mean[-1] == pytest.approx(-0.9 * model.noise[JOINT], rel=0.2)
+    assert better.uses[-1].shape['knee'] == pytest.approx(20.0, abs=1e-6)
+    assert 0.7 <= better.uses[-1].shape_std['knee'] < 3.0
 
 
 @pytest.mark.parametrize('knee', [np.inf, KNEE])

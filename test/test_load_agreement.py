@@ -1,12 +1,19 @@
 """The share of stated variances an estimate of the load suffers from, on data made for it."""
 
+from core_helpers import effect_uses, four_axes, true_parameters
 import numpy as np
 import pytest
+from test_identification import waves
 
-from hand_load_estimator.load_agreement import share_of, slices_of, Window
+from hand_load_estimator import load_agreement
+from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.load_agreement import (LeftOut, share_left_out, share_of, slices_of,
+                                                Window)
+from hand_load_estimator.regression_system import System
 
 N, JOINTS, DT = 250, 4, 0.02
 DENSITY = np.array([0.04, 0.02, 0.01, 0.01])
+DRIFT = np.full((JOINTS, 3), 1e-3)
 
 
 def windows(factor, uncertainty=0.0, count=60):
@@ -66,3 +73,65 @@ def test_windows_lie_within_parts_and_leave_rests_out():
     for rows in found:
         assert len(set(part[rows])) == 1
         assert dt[rows].sum() == pytest.approx(5.0, abs=2 * DT)
+
+
+@pytest.fixture(scope='module')
+def system():
+    """Return the System of four recordings of a minute each."""
+    robot, rng = four_axes(), np.random.default_rng(7)
+    uses, motions = effect_uses(robot), [waves(robot, rng, 60.0, 25.0) for _ in range(4)]
+    return System(robot, uses, [Evidence(f'run {k}', motion, np.zeros_like(motion.q))
+                                for k, motion in enumerate(motions)],
+                  true_parameters(robot, uses))
+
+
+def noise(system, factor=1.0):
+    """Return a residual (N, n) with `factor` times the variance that DENSITY states."""
+    rng = np.random.default_rng(11)
+    return rng.normal(size=system.torque.shape) * np.sqrt(factor * DENSITY / DT)
+
+
+def share(system, residual, covariances=None):
+    """Return the share of DENSITY, DRIFT and covariances {part: (P, P)} or none."""
+    size = system.columns.shape[2]
+    covariances = covariances or {part: np.zeros((size, size)) for part in range(4)}
+    return share_left_out(system, LeftOut(residual, system.recording, covariances),
+                          np.tile(DT / DENSITY, (len(residual), 1)), DRIFT)
+
+
+@pytest.mark.parametrize('factor', [0.3, 1.0, 4.0])
+def test_the_share_of_recordings_left_out_is_that_of_their_noise(system, factor):
+    """The largest of three lengths, and a standard error more: a little wide."""
+    assert 0.9 * factor < share(system, noise(system, factor)) < 1.5 * factor + 0.1
+
+
+def test_what_the_model_without_a_recording_was_unsure_of_is_expected_there(system):
+    """Links and friction are off in one recording, as the covariance without it says."""
+    rng, mean = np.random.default_rng(2), true_parameters(system.robot, effect_uses(system.robot))
+    wide, none = np.diag((0.2 * mean) ** 2), np.zeros((len(mean), len(mean)))
+    off = system.columns @ (0.2 * mean * rng.normal(size=len(mean)))
+    residual = noise(system) + off * (system.recording == 2)[:, None]
+    known = {part: wide if part == 2 else none for part in range(4)}
+    elsewhere = {part: wide if part == 1 else none for part in range(4)}
+    assert share(system, residual, known) < 1.5
+    for wrong in (elsewhere, None):
+        assert share(system, residual, wrong) > 5.0
+
+
+def test_errors_that_last_show_in_longer_windows(system, monkeypatch):
+    """The largest share counts."""
+    slow = np.sin(2.0 * np.pi * np.cumsum(system.dt) / 37.0)[:, None] * np.sqrt(DENSITY)
+    residual, alone = noise(system, 0.3) + slow, {}
+    whole = share(system, residual)
+    for length in load_agreement.WINDOWS:
+        monkeypatch.setattr(load_agreement, 'WINDOWS', (length,))
+        alone[length] = share(system, residual)
+    assert whole == max(alone.values()) and whole > 1.3 * min(alone.values())
+
+
+def test_of_a_few_seconds_the_statement_stands():
+    robot, rng = four_axes(), np.random.default_rng(7)
+    uses, motion = effect_uses(robot), waves(robot, rng, 9.0, 25.0)
+    short = System(robot, uses, [Evidence('run', motion, np.zeros_like(motion.q))],
+                   true_parameters(robot, uses))
+    assert share(short, noise(short, 9.0)) == 1.0

@@ -90,6 +90,13 @@ def test_a_file_from_before_diagnoses_were_dated_still_loads(model, content, tmp
     assert again['diagnosed'] is None and 'sliding_residual' not in again['residual']
 
 
+def test_a_file_from_before_the_load_share_takes_variances_in_full(model, content, tmp_path):
+    del content['residual']['load_share']
+    residuals = read_model(written(tmp_path, content)).residuals
+    assert residuals.load_share == 1.0
+    np.testing.assert_array_equal(residuals.load_intensity, residuals.intensity)
+
+
 def test_a_model_moves_without_its_robot_file(tmp_path):
     from hand_load_estimator.robot import load_robot
     home = tmp_path / 'home'

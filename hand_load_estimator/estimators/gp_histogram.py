@@ -88,26 +88,26 @@ class GpHistogram(BesideBayes):
     def _take(self, sample, prediction, columns):
         weights = sample.dt / prediction.density
         moving = bool((np.abs(sample.v) > MOVING).any())
-        if moving and not self._opens(sample, prediction, weights):
+        if moving and not self._opens(sample, prediction, columns, weights):
             self.refused += 1
         else:
             self._counted.add(sample, columns, prediction.difference, weights)
         self._count += 1
         self._renew()
 
-    def _opens(self, sample, prediction, weights):
+    def _opens(self, sample, prediction, columns, weights):
         """Tell whether a sample counts, and note how well it fits."""
         expected = self._variance + self._plain.spread + prediction.stuck
         ratio = min(float(np.mean(self._plain.innovation ** 2 / expected)), LARGEST_RATIO)
         scale = self._scale.after(ratio, sample.dt)
-        lowered = self._entropy_with(prediction, weights, scale.value) < self.entropy
+        lowered = self._entropy_with(prediction, columns, weights, scale.value) < self.entropy
         self._scale = scale
         self._shut = 0.0 if lowered else self._shut + sample.dt
         return lowered or self._shut > LOCKED
 
-    def _entropy_with(self, prediction, weights, scale):
+    def _entropy_with(self, prediction, columns, weights, scale):
         """Return H over the lattice were the sample counted at that scale."""
-        rest = prediction.difference - prediction.model_columns @ self._plain.nuisances \
+        rest = prediction.difference - columns[:, 10:] @ self._plain.nuisances \
             - prediction.load_columns @ self.tared
         error = rest - self._products @ prediction.load_columns.T
         sample = -0.5 * (error * error) @ weights

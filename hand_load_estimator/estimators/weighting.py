@@ -4,8 +4,9 @@ import numpy as np
 
 
 def joined_columns(prediction):
-    """Return (n, 10 + r): load columns beside the model's uncertain directions."""
-    return np.concatenate([prediction.load_columns, prediction.model_columns], axis=1)
+    """Return (n, 10 + r): load columns beside the model's, as estimates count them."""
+    uncertain = prediction.model_columns * prediction.column_scale
+    return np.concatenate([prediction.load_columns, uncertain], axis=1)
 
 
 def innovation_of(prediction, columns, known, posterior):

@@ -74,7 +74,7 @@ def _of_effect(model, residual, blocks, effect, j):
         yield from _presliding(model, residual, j, scale)
         return
     found = _shapes(model, effect, residual, blocks, j)
-    columns_of = _columns(effect, residual.x, j, [shape for shape, _ in found])
+    columns_of = _columns(model, effect, residual.x, j, [shape for shape, _ in found])
     for (shape, count), columns in zip(found, columns_of):
         yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
 
@@ -97,17 +97,32 @@ def _grid(model, residual, effect, shape, j):
     """Return the values of a Shape to try: of knees also the model's, and those that show."""
     if shape is not KNEE:
         return shape.grid
-    own = {use.shape[shape.name] for use in model.uses
-           if (use.name, use.joint) == (effect.name, j)} - set(shape.grid)
     warmth = residual.x.warmth[residual.weights[:, j] > 0.0, j]
-    return [knee for knee in (*shape.grid, *own)
-            if knee == shape.default or shows(warmth, knee)]
+    shown = [knee for knee in shape.grid if knee == shape.default or shows(warmth, knee)]
+    own = _bent(model, effect, j)
+    if not own:
+        return shown
+    # The model's own is tried first, because it costs nothing more; a straight line last.
+    return [own[shape.name], *(knee for knee in reversed(shown) if knee != own[shape.name])]
 
 
-def _columns(effect, x, j, shapes):
-    """Return the columns (N, k) of an effect on joint j for each of several shapes."""
+def _bent(model, effect, j):
+    """Return the shape {'knee': [K]} of an effect that the model has with a knee, or {}."""
+    return next((use.told_shape for use in model.uses if (use.name, use.joint) == (effect.name, j)
+                 and KNEE.name in use.told_shape), {})
+
+
+def _columns(model, effect, x, j, shapes):
+    """
+    Return the columns (N, k) of an effect on joint j for each of several shapes.
+
+    Of a knee elsewhere than the model's: what moving it there changes.
+    """
     if 'play' not in effect.needs:
-        return [effect.columns(x, j, shape) for shape in shapes]
+        made, bent = [effect.columns(x, j, shape) for shape in shapes], _bent(model, effect, j)
+        now = effect.columns(x, j, bent) if bent else 0.0
+        return [columns if shape == bent else columns - now
+                for shape, columns in zip(shapes, made)]
     # Gaps are followed beside one another, in little more time than one of them.
     together = effect.columns(x, np.full(len(shapes), j), {
         name: np.array([shape[name] for shape in shapes]) for name in shapes[0]})
@@ -151,7 +166,7 @@ def reshaped(hypothesis, factors, model, residual):
         columns = [(residual.friction_state(shape['presliding_distance'])[:, j]
                     - residual.x.z[:, j])[:, None] for shape in shapes]
     else:
-        columns = _columns(EFFECTS[hypothesis.name], residual.x, j, shapes)
+        columns = _columns(model, EFFECTS[hypothesis.name], residual.x, j, shapes)
     return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)
             for own, shape in zip(columns, shapes)]
 
@@ -209,8 +224,8 @@ def with_effect(model, hypothesis):
     uses = list(model.uses)
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
-            found = {s: value for s, value in hypothesis.shape.items() if np.isfinite(value)}
-            uses[k] = replace(use, shape={**use.shape, **found},
-                              shape_std={} if found else use.shape_std)
+            shape = {**use.shape, **hypothesis.shape}
+            uses[k] = replace(use, shape=shape,
+                              shape_std=use.shape_std if shape == use.shape else {})
             return tuple(uses)
     return (*uses, use_of(hypothesis.name, hypothesis.joint, hypothesis.shape))
