@@ -3,15 +3,18 @@ Measured joint states -> theta, theta', theta'' and torque, all behind one causa
 
 Differentiating measured signals and leaving the torque alone would compare quantities of
 different moments. Here position, velocity and torque pass the same three-stage low-pass
-F(s) = (w / (s + w))^3, and the acceleration is s F(s) of the velocity, read off the filter's own
-state: an exact derivative of the filtered velocity, with nothing differenced. As F commutes with
-every linear operator, F[tau] = F[K] m; K is evaluated at the filtered motion, an error of second
-order in what the arm does within 1 / w.
+F(s) = (w / (s + w))^3. Velocity and acceleration are F(s) and s F(s) of the velocity, s F(s) and
+s^2 F(s) of the position, weighed by their noise (derivatives.py) and read off the filter's own
+state: exact derivatives, with nothing differenced. As F commutes with every linear operator,
+F[tau] = F[K] m; K is evaluated at the filtered motion, an error of second order in what the arm
+does within 1 / w.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from .derivatives import Derivatives
 
 # Bandwidth of each stage [rad/s]: three of them delay by 3 / w = 30 ms and leave a measured
 # velocity noise of 2 mrad/s at 500 Hz as about 0.03 rad/s^2 of acceleration.
@@ -71,6 +74,7 @@ class MotionFilter:
         self._n = n
         self._temperature = np.full(n, np.nan)
         self._steps = {}
+        self._derivatives = Derivatives(n)
         self.gaps = 0
         self.restart()
 
@@ -117,6 +121,7 @@ class MotionFilter:
         self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
         self._stamp = self._emitted = stamp
         self._started, self._period, self._messages = stamp, 0.0, 0
+        self._derivatives.restart()
         return None
 
     def _advance(self, dt, signal):
@@ -133,17 +138,16 @@ class MotionFilter:
     def _sample(self, stamp):
         first, second, third = self._state[:3].reshape(3, 3, self._n)
         w = BANDWIDTH
-        if self._without_velocity:
-            v = w * (second[0] - third[0])
-            a = w * w * (first[0] - 2.0 * second[0] + third[0])
-        else:
-            v = third[1].copy()
-            a = w * (second[1] - third[1])
-        dt, self._emitted = stamp - self._emitted, stamp
-        messages, self._messages = self._messages, 0
         # Ten time constants after a start in full motion the transient is below 0.3 %.
         fresh = stamp - self._started < 10.0 / w
-        return MotionSample(stamp, dt, third[0].copy(), v, a, third[2].copy(),
+        motion = np.array((w * (second[0] - third[0]),
+                           w * w * (first[0] - 2.0 * second[0] + third[0])))
+        if not self._without_velocity:
+            measured = np.array((third[1], w * (second[1] - third[1])))
+            motion = measured if fresh else self._derivatives.update(motion, measured)
+        dt, self._emitted = stamp - self._emitted, stamp
+        messages, self._messages = self._messages, 0
+        return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
                             self._temperature.copy(), fresh, messages)
 
 

@@ -85,10 +85,11 @@ def test_the_acceleration_is_the_derivative_of_the_velocity_that_is_given_out():
     rate = 1000.0
     rng = np.random.default_rng(1)
     noise = {round(t, 6): x for t, x in zip(np.arange(2000) / rate, rng.normal(size=2000))}
+    speed = np.array(list(noise.values()))
+    path = np.append(0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) / rate))
     motion_filter, v, a = MotionFilter(1), [], []
     for k in range(2000):
-        motion_filter.update(k / rate, np.zeros(1), np.array([noise[round(k / rate, 6)]]),
-                             np.zeros(1))
+        motion_filter.update(k / rate, path[k:k + 1], speed[k:k + 1], np.zeros(1))
         sample = motion_filter._sample(k / rate)
         v.append(sample.v[0])
         a.append(sample.a[0])
