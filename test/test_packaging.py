@@ -119,10 +119,11 @@ def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
         environment = {**clean_environment(), **{
             key: value for key, value in node_environment(domain).items() if key != 'PYTHONPATH'},
             'PYTHONPATH': str(site_packages(workspace)), 'AMENT_PREFIX_PATH': str(workspace)}
-        nodes = {name: NodeProcess(
-            workspace / 'lib' / PACKAGE / f'{name}_node', domain, environment=environment,
-            arguments=['--ros-args', '--params-file',
-                       workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
+        nodes = {
+            name: NodeProcess(
+                workspace / 'lib' / PACKAGE / f'{name}_node', domain, environment=environment,
+                arguments=['--ros-args', '--params-file',
+                           workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
             for name in ('simulator', 'estimator', 'controller')}
         try:
             def speaking():
