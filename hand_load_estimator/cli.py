@@ -41,6 +41,7 @@ class _OneLineParser(argparse.ArgumentParser):
     """An argument parser whose complaints are one line."""
 
     def error(self, message):
+        """Tell what is wrong and exit."""
         print(f'{self.prog}: {message}; see `{self.prog} --help`', file=sys.stderr)
         sys.exit(WRONG_INPUT)
 

@@ -16,8 +16,8 @@ from hand_load_estimator.benchmark.effect_truth import COMPARABLE, model_change,
 from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.evidence import prepare
-from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant.hidden import EFFECTS
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]

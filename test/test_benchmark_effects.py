@@ -12,8 +12,8 @@ from hand_load_estimator import cli, seeds
 from hand_load_estimator.benchmark import cases, effect_measure, effect_recordings, effect_run
 from hand_load_estimator.benchmark.document import blocks_of, to_markdown
 from hand_load_estimator.benchmark.effect_cases import EffectCase, Hidden, suite_cases
-from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_goals import beyond, verdicts
+from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_page import effects_markdown
 from hand_load_estimator.benchmark.effect_scores import (confusions, effect_rows, not_tried,
                                                          pair_rows, strictness, totals)

@@ -14,7 +14,7 @@ from ros_helpers import ROOT
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, changes, cost, real, soak
 from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, NOMINAL,
-                                                        REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL)
+                                                       REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
                                                        soak_blocks)

@@ -10,10 +10,10 @@ import pytest
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.evidence import Evidence
-from hand_load_estimator.regression_system import System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import Motion, MotionFilter
+from hand_load_estimator.regression_system import System
 from hand_load_estimator.torque_columns import (as_reported, ColumnLayout, EffectUse,
                                                 motion_input, parameter_count, torque_columns)
 

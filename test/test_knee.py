@@ -13,9 +13,9 @@ from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.effects.knee import shows
 from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.identification import identify
-from hand_load_estimator.regression_system import System
 from hand_load_estimator.knee_fit import with_knees_fitted
 from hand_load_estimator.model_file import read_model, write_model
+from hand_load_estimator.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, effect_slices,
                                                 motion_input, parameter_count,

@@ -137,10 +137,12 @@ def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
         joint_states = listener.listen(JointState, '/joint_states', measurement(1000))
         diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
         environment = sourced(workspace, domain)
-        nodes = {name: NodeProcess(
-            executable_of(PACKAGE, f'{name}_node', environment), domain, environment=environment,
-            arguments=['--ros-args', '--params-file',
-                       workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
+        nodes = {
+            name: NodeProcess(
+                executable_of(PACKAGE, f'{name}_node', environment), domain,
+                environment=environment,
+                arguments=['--ros-args', '--params-file',
+                           workspace / 'share' / PACKAGE / 'config' / f'{name}.yaml'])
             for name in ('simulator', 'estimator', 'controller')}
         try:
             def speaking():

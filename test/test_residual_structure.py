@@ -9,8 +9,7 @@ from test_residual_trace import (cable, clean_runs, declared_model, Hidden, nois
 
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.foretelling import Foretelling
-from hand_load_estimator.residual.structure import (followed, ORDER, structures, TEMPERATURE,
-                                                    _structure)
+from hand_load_estimator.residual.structure import followed, ORDER, structures, TEMPERATURE
 
 JOINT, OTHER = 1, 3
 WARMED = (0, 1, 2, 3)
@@ -77,8 +76,7 @@ def test_noise_follows_nothing():
     for _ in range(2):
         white = rng.normal(size=(len(residual.dt) + 24, 4)) * noise_of(model.robot)
         noise = np.stack([np.convolve(white[:, j], kernel, 'valid') for j in range(4)], axis=1)
-        square = (residual.weights * noise ** 2).sum(axis=0) / residual.weights.sum(axis=0)
-        found = _structure(model.robot, residual, noise, WARMED, (np.zeros(4), square))
+        found, _ = structures(model, model, replace(residual, residual=noise), evidence, WARMED)
         beyond += sum((found.share[name] > found.chance[name]).sum() for name in ORDER) \
             + (found.pairs > found.pairs_chance).sum()
         cells += len(ORDER) * 4 + 16

@@ -88,6 +88,7 @@ def write_arm(name, urdf, folder):
 def friction_told(robot):
     """Return a sentence with the plant's friction and noise levels of a Robot's joints."""
     def told(figures):
+        """Return as text what the plant's table gives this robot's joints."""
         return ', '.join(f'{value:.2g}' for value in by_size(figures, robot.limits.torque))
     noise = np.asarray(by_size(DEFAULT.torque_noise, robot.limits.torque))
     friction = ('none in the effort (sensors behind the gears)'

@@ -7,8 +7,8 @@ K^T K / sigma^2 over all messages, joined by the same prior as everybody uses.
 
 import numpy as np
 
-from ..estimators.load_prior import load_prior
 from ..estimators.information import message_covariance
+from ..estimators.load_prior import load_prior
 from ..load import products_jacobian_of_shape
 
 

@@ -11,7 +11,7 @@ from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot
 from ..simulate_motions import named_motion
-from .cases import simulated, case_samples, draw_case, identification_evidence
+from .cases import case_samples, draw_case, identification_evidence, simulated
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
 

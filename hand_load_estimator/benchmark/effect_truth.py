@@ -15,6 +15,7 @@ from ..plant.plant import Situation
 def _of_joint(field, part=None):
     """Return a reader of a per-joint field of the truth, or of one of its parts."""
     def read(plant, joint):
+        """Return the field of a Plant's joint, in the unit of the effect's parameter."""
         holder = plant.truth if part is None else getattr(plant.truth, part)
         return float(getattr(holder, field)[joint])
     return read

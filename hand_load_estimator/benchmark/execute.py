@@ -98,6 +98,7 @@ def _joblib_runner(backend):
             from None
 
     def run(calls, workers):
+        """Yield the outcomes of calls as they come, from so many workers."""
         with parallel_config(backend=backend, n_jobs=workers):
             yield from Parallel(return_as='generator_unordered')(
                 delayed(_attempt)(*call) for call in calls)

@@ -39,6 +39,7 @@ class _Accuracy:
         return self.overview['cases'], self.overview['plants']
 
     def mass(self, time, figure='rmse', name=DEFAULT):
+        """Return a figure of a method's mass error at a time."""
         entries = {entry['time']: entry for entry in self.scores[name]}
         return entries[time]['mass'][figure]
 

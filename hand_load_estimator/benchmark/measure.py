@@ -68,6 +68,7 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
     bounds, due = [], list(TIMES)
 
     def note(beliefs):
+        """Add the bound and {name: Belief} of now to the rows."""
         bounds.append(bound.std().tolist())
         for name, belief in beliefs.items():
             rows[name].append([belief.mean.tolist(),

@@ -13,9 +13,9 @@ from ..load import LoadParameters
 from ..recording import read_recording
 from ..robot import load_robot
 from ..shared_files import find_shared
+from .cases import motion_start
 from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, TEXTBOOK,
                           TEXTBOOK_CAREFUL)
-from .cases import motion_start
 from .real_robots import ARMS, write_robot_file
 from .real_sets import SETS, stage
 from .rivals import COULOMB_VISCOUS, LeastSquares

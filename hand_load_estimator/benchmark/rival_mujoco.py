@@ -105,6 +105,7 @@ def _inverse(model, run):
 def _rollout(run, observed):
     """Return a custom_rollout for mujoco.sysid: inverse dynamics instead of integration."""
     def rollout(models, control_signal, initial_states, **_):
+        """Return a SystemTrajectory for each of several models, as mujoco.sysid calls it."""
         state = np.column_stack([run.stamp, run.q, run.v])
         return [SystemTrajectory(model, control, TimeSeries(run.stamp, _inverse(model, run),
                                                             observed),
@@ -116,6 +117,7 @@ def _rollout(run, observed):
 def _weighed(run):
     """Return a modify_residual for mujoco.sysid: torque differences over the model's error."""
     def modify(params, predicted, measured, model, return_all, state=None):
+        """Return weighed residuals and both TimeSeries, as mujoco.sysid calls it."""
         return ((predicted.data - measured.data) * run.weight).ravel(), predicted, measured
     return modify
 
@@ -123,6 +125,7 @@ def _weighed(run):
 def _message(theta, covariance):
     """Return mean and std in message order, the latter by linearisation."""
     def message(vector):
+        """Return the load of mujoco.sysid's parameters (10,) in message order."""
         return LoadParameters(*_body_of(vector)).to_message()
 
     step, mean = 1e-6, message(theta)

@@ -103,7 +103,7 @@ class Lstm(Watching):
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
         self._watcher = self._plain = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                                      load_share=model.residuals.load_share)
+                                                     load_share=model.residuals.load_share)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, watch=False)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)

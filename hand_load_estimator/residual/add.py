@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..identification import prior
-from ..regression_system import System, held_out
-from ..residual_noise import density, drift_of, rmse_of
 from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
+from ..regression_system import held_out, System
+from ..residual_noise import density, drift_of, rmse_of
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners

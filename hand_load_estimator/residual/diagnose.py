@@ -8,9 +8,9 @@ import numpy as np
 from ..identification import prior
 from ..sliding import sliding_rms
 from .add import better_model, made_from
+from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
-from .contact import contact
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
 from .find import find_residual, noise_floor

@@ -35,10 +35,10 @@ class Residual:
 
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
     [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
-    starts, folds (B,) of its blocks; moving (N, n): rows at which a joint surely slides, sliding
-    (N, n): by the stricter measure of the watch;
-    expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong by; noise
-    (n,) [Nm]: what is surely no more than noise of what the model leaves.
+    starts, folds (B,) of its blocks; moving (N, n): where joints slide; sliding (N, n): where
+    they slide by the watch's stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque
+    that the model itself says it may be wrong by; noise (n,) [Nm]: RMS of what the model leaves
+    that is surely noise.
     """
 
     x: EffectInput

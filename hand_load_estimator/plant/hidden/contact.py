@@ -41,6 +41,7 @@ class _Push:
         self._start, self._end = p['start'], p['start'] + p['duration']
 
     def force(self, time, place, rotation, dt):
+        """Return the force (3,) [N] on the hand, in base axes, of a step."""
         rise = min(time - self._start, self._end - time) / _RAMP
         return self._force * min(max(rise, 0.0), 1.0)
 
@@ -82,6 +83,7 @@ class _Swing:
         self._speed, self._hand = np.zeros(3), np.zeros(3)
 
     def force(self, time, place, rotation, dt):
+        """Return the force (3,) [N] on the hand, in base axes, of a step."""
         if self._place is None:
             self._place, self._hand = place.copy(), place.copy()
         hand_speed = (place - self._hand) / dt

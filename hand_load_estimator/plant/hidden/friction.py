@@ -202,4 +202,5 @@ class _SpeedTorque:
         self._p = p
 
     def torque(self, now, dt):
+        """Return the torque (n,) [Nm] asked of the drives in a Situation."""
         return SpeedResonanceFriction.of(now.velocity, self._p)

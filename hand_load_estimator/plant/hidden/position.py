@@ -22,6 +22,7 @@ class _Acting:
         self._of, self._p = of, p
 
     def torque(self, now, dt):
+        """Return the torque (n,) [Nm] asked of the drives in a Situation."""
         return self._of(now.position, self._p)
 
 
