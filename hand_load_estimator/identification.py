@@ -63,8 +63,8 @@ def declare(robot, names, temperatures_known):
         chosen = [e for e in chosen if e.in_link_torque]
     if not temperatures_known:
         chosen = [e for e in chosen if e.name not in NEEDS_TEMPERATURE]
-    uses = tuple(EffectUse(e.name, j, e.default_shape())
-                 for j in range(robot.n) for e in chosen if not (e.whole_arm and j))
+    uses = tuple(EffectUse(e.name, j) for j in range(robot.n) for e in chosen
+                 if not (e.whole_arm and j))
     return uses, 'link_inertia' in names
 
 

@@ -28,7 +28,7 @@ TEST_SHARE = 0.25
 
 def diagnose(model, evidence, test=(), progress=lambda text: None):
     """
-    Return (Diagnosis, better TorqueModel) of a TorqueModel and Evidence (identification.prepare).
+    Return (Diagnosis, better TorqueModel) of a TorqueModel and Evidence (evidence.prepare).
 
     test: Evidence that is used for nothing but the errors before and after; without any, the
     last quarter of every recording. Raises RecordingError where nothing can be told.

@@ -95,7 +95,7 @@ class Residual:
 
 def find_residual(model, evidence, cut=True):
     """
-    Return the Residual of a TorqueModel on Evidence (identification.prepare).
+    Return the Residual of a TorqueModel on Evidence (evidence.prepare).
 
     cut: into blocks, to compare hypotheses on.
     """
@@ -195,6 +195,6 @@ def _cut(dt, owner, recording):
     return starts, folds
 
 
-def use_of(name, joint, shape=None):
+def use_of(name, joint, shape):
     """Return the EffectUse of a hypothesis."""
-    return EffectUse(name, 0 if EFFECTS[name].whole_arm else joint, dict(shape or {}))
+    return EffectUse(name, 0 if EFFECTS[name].whole_arm else joint, shape)
