@@ -23,6 +23,10 @@ BANDWIDTH = 100.0
 BLOCK = 0.02
 # A longer silence restarts the filter: what happened in between is not known.
 LONGEST_GAP = 0.25
+# Positions further apart [s] are joined by straight lines that show no acceleration in between.
+SPARSE = 0.012
+# What was fed in so many time constants ago shows by less than 0.3 %.
+_FORGOTTEN = 10.0 / BANDWIDTH
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ class MotionFilter:
         if self._state is None or np.isnan(v).any() != self._without_velocity:
             return self._start(stamp, signal)
         dt = stamp - self._stamp
+        if dt > SPARSE:
+            self._sparse = stamp
         if self._without_velocity:
             signal[1] = 0.0
         self._advance(dt, signal)
@@ -117,11 +123,11 @@ class MotionFilter:
         if self._without_velocity:
             signal[1] = 0.0
         # The filter starts as if the first reading had stood for ever, which is exact at rest;
-        # `settled` tells when the start no longer shows in the acceleration.
+        # samples are fresh while the start may still show in the acceleration.
         self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
         self._stamp = self._emitted = stamp
-        self._started, self._period, self._messages = stamp, 0.0, 0
-        self._derivatives.restart()
+        self._started = self._sparse = stamp
+        self._period, self._messages = 0.0, 0
         return None
 
     def _advance(self, dt, signal):
@@ -138,17 +144,21 @@ class MotionFilter:
     def _sample(self, stamp):
         first, second, third = self._state[:3].reshape(3, 3, self._n)
         w = BANDWIDTH
-        # Ten time constants after a start in full motion the transient is below 0.3 %.
-        fresh = stamp - self._started < 10.0 / w
         motion = np.array((w * (second[0] - third[0]),
                            w * w * (first[0] - 2.0 * second[0] + third[0])))
         if not self._without_velocity:
-            measured = np.array((third[1], w * (second[1] - third[1])))
-            motion = measured if fresh else self._derivatives.update(motion, measured)
+            motion = self._weighed(motion, np.array((third[1], w * (second[1] - third[1]))))
         dt, self._emitted = stamp - self._emitted, stamp
         messages, self._messages = self._messages, 0
         return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
-                            self._temperature.copy(), fresh, messages)
+                            self._temperature.copy(), stamp - self._started < _FORGOTTEN, messages)
+
+    def _weighed(self, of_position, of_velocity):
+        """Return velocity and acceleration (2, n), by the velocity alone after a wide step."""
+        if self._stamp - self._sparse < _FORGOTTEN:
+            self._derivatives.restart()
+            return of_velocity
+        return self._derivatives.update(of_position, of_velocity)
 
 
 @dataclass(frozen=True)
