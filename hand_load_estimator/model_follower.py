@@ -36,7 +36,7 @@ class Prediction:
     doubt: np.ndarray
     stuck: np.ndarray
     density: np.ndarray
-    column_scale: np.ndarray | float = 1.0
+    column_scale: np.ndarray
 
 
 class ModelFollower:

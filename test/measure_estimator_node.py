@@ -6,7 +6,7 @@ Measure the estimator node: share of messages used, delay from message to estima
 A process plays a simulated arm's joint states, each stamped when it is sent; this one hears the
 estimates. The delay is the time from sending the newest joint state in an estimate to hearing
 that estimate, DDS both ways included. What of it is not the estimator's is measured in the same
-run: a node that only sends every tenth or so stamp back, as many as there are estimates.
+run: a node that only sends stamps back, as many as there are estimates.
 """
 
 import argparse
@@ -16,6 +16,7 @@ import struct
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import numpy as np
 from arm_data import Feeder, arm_samples, joint_state
@@ -67,6 +68,17 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
+@contextmanager
+def ended(command, **options):
+    """Yield a process that does not outlive the block."""
+    process = subprocess.Popen(command, **options)
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait()
+
+
 class Mirror(Node):
     """Sends stamps back at the estimates' rate and does nothing else."""
 
@@ -86,11 +98,7 @@ class Ear(Listener):
     """Hears estimates as quickly as Python can: its own slowness is not the estimator's."""
 
     def __init__(self, domain):
-        super().__init__(domain)
-        self._executor.remove_node(self.node)
-        self._executor.shutdown()
-        self._executor = EventsExecutor(context=self.context)
-        self._executor.add_node(self.node)
+        super().__init__(domain, EventsExecutor)
         self.delays = []
         self.node.create_subscription(InertiaStamped, _LISTEN, self._arrived, OUTPUT)
         gc.collect()
@@ -102,13 +110,13 @@ class Ear(Listener):
 
     def hear(self, domain, rate, seconds, pid):
         """Play and listen; return the share of a core that process `pid` takes meanwhile."""
-        sender = subprocess.Popen([sys.executable, __file__, '--play', str(domain), '--rate',
-                                   str(rate), '--seconds', str(seconds)])
-        self.until(lambda: self.delays, 60.0, 'an estimate')
-        used, begun = cpu_seconds(pid), time.monotonic()
-        self.spin(seconds - 1.0)
-        share = (cpu_seconds(pid) - used) / (time.monotonic() - begun)
-        self.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
+        with ended([sys.executable, __file__, '--play', str(domain), '--rate', str(rate),
+                    '--seconds', str(seconds)]) as sender:
+            self.until(lambda: self.delays, 60.0, 'an estimate')
+            used, begun = cpu_seconds(pid), time.monotonic()
+            self.spin(seconds - 1.0)
+            share = (cpu_seconds(pid) - used) / (time.monotonic() - begun)
+            self.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
         return share
 
     def told(self):
@@ -134,11 +142,9 @@ def measure(rate, seconds, method):
 def measure_mirror(rate, seconds):
     """Print the figures of a node that computes nothing."""
     with free_domain() as domain, Ear(domain) as ear:
-        mirror = subprocess.Popen([sys.executable, __file__, '--mirror', '--rate', str(rate)],
-                                  env=node_environment(domain))
-        share = ear.hear(domain, rate, seconds, mirror.pid)
-        mirror.terminate()
-        mirror.wait()
+        with ended([sys.executable, __file__, '--mirror', '--rate', str(rate)],
+                   env=node_environment(domain)) as mirror:
+            share = ear.hear(domain, rate, seconds, mirror.pid)
     print(f'nothing computed at {rate:g} Hz: {ear.told()}; {100 * share:.0f} % of one core',
           flush=True)
 

@@ -46,17 +46,19 @@ class NodeProcess:
     """
     A node as a process; its output is kept in a file.
 
-    node: `simulator`, `estimator`, `controller`, or a path of an executable.
+    node: `simulator`, `estimator`, `controller`, or a path of an executable. group: it has
+    processes of its own, which get its signals too, as from a terminal.
     """
 
-    def __init__(self, node, domain, arguments=(), environment=None):
+    def __init__(self, node, domain, arguments=(), environment=None, group=False):
+        self._group = group
         command = [str(node)] if os.sep in str(node) else \
             [sys.executable, '-m', f'hand_load_estimator.nodes.{node}_node']
         self._output = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
             [*command, *map(str, arguments)], env=environment or node_environment(domain),
             stdout=self._output, stderr=subprocess.STDOUT, cwd=tempfile.gettempdir(),
-            process_group=0)
+            process_group=0 if group else None)
 
     @property
     def output(self):
@@ -66,8 +68,14 @@ class NodeProcess:
 
     def stop(self, number=signal.SIGTERM, timeout=15.0):
         """Send a signal; return the exit code."""
-        self.process.send_signal(number)
+        self._send(number)
         return self.wait(timeout)
+
+    def _send(self, number):
+        if self._group:
+            os.killpg(self.process.pid, number)
+        else:
+            self.process.send_signal(number)
 
     def wait(self, timeout=15.0):
         """Return the exit code."""
@@ -79,14 +87,14 @@ class NodeProcess:
     def kill(self):
         """End it whatever happens."""
         if self.process.poll() is None:
-            self.process.kill()
+            self._send(signal.SIGKILL)
             self.process.wait()
 
 
 class Listener:
-    """A node in the test's own process with a context of its own."""
+    """A node in the test's own process with a context of its own; executor: its class."""
 
-    def __init__(self, domain):
+    def __init__(self, domain, executor=None):
         from rclpy.context import Context
         from rclpy.executors import SingleThreadedExecutor
         from rclpy.node import Node
@@ -94,7 +102,7 @@ class Listener:
         self.context.init(domain_id=domain)
         # Services nobody calls would cost the listener time at every message.
         self.node = Node('listener', context=self.context, start_parameter_services=False)
-        self._executor = SingleThreadedExecutor(context=self.context)
+        self._executor = (executor or SingleThreadedExecutor)(context=self.context)
         self._executor.add_node(self.node)
 
     def __enter__(self):

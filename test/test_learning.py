@@ -74,7 +74,7 @@ def test_the_layer_is_the_recursive_regression():
 
 
 def test_training_steps_lower_the_objective_through_the_regression(model, shard):
-    """Gradients reach corrections and precisions, which act only through the regression."""
+    """Gradients reach corrections, which act only through the regression."""
     prior = prior_tensors(model.robot)
     torch.manual_seed(1)
     network = LoadNetwork(feature_count(4), 4, 12)

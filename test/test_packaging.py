@@ -171,13 +171,12 @@ def test_ros2_run_starts_a_built_node(workspace):
     with free_domain() as domain, Listener(domain) as listener:
         diagnostics = listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)
         node = NodeProcess(
-            shutil.which('ros2'), domain, environment=sourced(workspace, domain),
+            shutil.which('ros2'), domain, environment=sourced(workspace, domain), group=True,
             arguments=['run', PACKAGE, 'estimator_node', '--ros-args', '--params-file',
                        workspace / 'share' / PACKAGE / 'config' / 'estimator.yaml'])
         try:
             listener.until(lambda: diagnostics, 40.0, 'diagnostics')
-            os.killpg(node.process.pid, signal.SIGINT)
-            assert node.wait() == 0, node.output
+            assert node.stop(signal.SIGINT) == 0, node.output
             assert 'Traceback' not in node.output
         finally:
             node.kill()

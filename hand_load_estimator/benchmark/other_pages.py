@@ -142,10 +142,10 @@ def retraining_blocks(content):
     """Return the blocks of the retraining suite."""
     blocks = [
         Heading('The learned artefact beside a better torque model', 1),
-        Text('An effect happened to an arm after its identification; `hand_load diagnose` found it '
-             'and wrote the better model. Loads nobody knows are then estimated with that model '
-             'and: the artefact as it was, only its intervals calibrated anew, fine-tuned, '
-             'trained anew from scratch on draws around the better model; and without a network.')]
+        Text('An effect happened to an arm after its identification, and a diagnosis made a '
+             'better model. Loads it does not know are estimated with that model and: the '
+             'artefact as it was, only its intervals calibrated anew, fine-tuned, trained anew '
+             'from scratch on draws around the better model; and without a network.')]
     for case in content['cases']:
         rows = [[choice, _minutes(case['seconds'].get(choice)),
                  *(f'{1e3 * figures["mass"][m]:.1f}' for m in _RETRAINING_MOMENTS),
@@ -155,6 +155,7 @@ def retraining_blocks(content):
         blocks += [
             Heading(f'{case["effect"]} on {", ".join(case["joints"])}, plant {case["plant"]}, '
                     f'{case["runs"]} loads'),
+            Text(f'The diagnosis changed: {case["found"]}.'),
             Table(['artefact', 'training [min]',
                    *(f'mass RMSE, {m} [g]' for m in _RETRAINING_MOMENTS),
                    f'centre of mass, {MOMENTS[-1]} [mm]', 'half-width at 1 s [g]',

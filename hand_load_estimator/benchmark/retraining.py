@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
 from ..learning.artefact import CARD, read_artefact
 from ..learning.training import FINE_TUNING, Recipe, train
@@ -19,10 +20,10 @@ from .scores import LEAST_MASS_FOR_COM, NORMAL_95
 
 # Effects that happen to an arm after its identification, each on a plant of its own, and tried on
 # joints in this order: one that motion averages out, one that every load scales.
-HIDDEN = (('torque_ripple', 5.0), ('load_dependent_friction', 5.0))
-JOINTS = (1, 2, 0)
+_JOINTS = (1, 2, 0)
+HIDDEN = (Hidden('torque_ripple', 5.0, _JOINTS), Hidden('load_dependent_friction', 5.0, _JOINTS))
 RUNS = 32
-OLD, KEPT = 'old model, artefact as it was', 'as it was'
+OLD, KEPT, WITHOUT = 'as it was, old model', 'as it was', f'none (`{WITHOUT_NETWORK}`)'
 FROM_SCRATCH = Recipe()
 RECIPES = {'calibrated anew': replace(FINE_TUNING, passes=0), 'fine-tuned': FINE_TUNING,
            'trained anew': FROM_SCRATCH}
@@ -30,39 +31,54 @@ RECIPES = {'calibrated anew': replace(FINE_TUNING, passes=0), 'fine-tuned': FINE
 
 def retraining_jobs(robot_path, plants, learned, folder, runs=None):
     """Return {label: arguments of measure_retraining}, one per effect and plant."""
-    return {f'{name}_{plant}': (str(robot_path), plant, name, strength, learned, str(folder),
-                                runs or RUNS)
-            for (name, strength), plant in zip(HIDDEN, plants)}
+    return {f'{hidden.name}_{plant}': (str(robot_path), EffectCase(SINGLE, plant, (hidden,)),
+                                       learned, str(folder), runs or RUNS)
+            for hidden, plant in zip(HIDDEN, plants)}
 
 
-def measure_retraining(robot_path, plant, name, strength, learned, folder, runs, recipes=RECIPES):
+def measure_retraining(robot_path, case, learned, folder, runs, recipes=RECIPES):
     """
     Return how each choice estimates loads on an arm after the diagnosis of one hidden effect.
 
-    {'effect', 'plant', 'joints', 'seconds': {choice: s}, 'loads' (runs, 10), 'rows': {choice:
-    (runs, moments, 2, 10) means and stds}}. Artefacts and models are made in `folder`, where a
-    training broken off goes on.
+    case: EffectCase of one effect; learned: folder of the artefact that was there, None for the
+    shipped one. {'effect', 'plant', 'joints', 'found': what the diagnosis changed, in words,
+    'seconds': {choice: s}, 'loads' (runs, 10), 'rows': {choice: (runs, moments, 2, 10) means and
+    stds}}. Artefacts and models are made in `folder`, where a training broken off goes on.
     """
     robot = load_robot(robot_path)
-    case = EffectCase(SINGLE, plant, (Hidden(name, strength, JOINTS),))
     entries = place(robot, case)
     arm, recordings = prepared(case, entries, robot_path)
-    _, better, _ = diagnosis_of(arm.model, recordings.evidence, recordings.test)
-    work = Path(folder) / f'{name}_{plant}'
+    diagnosis, better, _ = diagnosis_of(arm.model, recordings.evidence, recordings.test)
+    work = Path(folder) / case.label
     work.mkdir(parents=True, exist_ok=True)
     write_model(work / 'better.yaml', better)
     shipped = learned or shipped_artefact(robot)
     seconds = {choice: _trained(work, choice, recipe, shipped, robot)
                for choice, recipe in recipes.items()}
-    racing = {OLD: (arm.model, DEFAULT, shipped),
-              KEPT: (better, DEFAULT, shipped),
+    racing = {OLD: (arm.model, DEFAULT, shipped), KEPT: (better, DEFAULT, shipped),
               **{choice: (better, DEFAULT, str(work / choice)) for choice in recipes},
-              f'none (`{WITHOUT_NETWORK}`)': (better, WITHOUT_NETWORK, None)}
+              WITHOUT: (better, WITHOUT_NETWORK, None)}
+    loads, rows = _judged(robot, case.plant, runs, entries, racing)
+    return {'effect': case.hidden[0].name, 'plant': case.plant, 'joints': entries[0]['joints'],
+            'found': _found(diagnosis), 'seconds': seconds, 'loads': loads, 'rows': rows}
+
+
+def _found(diagnosis):
+    """Return in words what a Diagnosis has put into the model."""
+    told = [f'{f.name} on {", ".join(f.joints)}' for f in diagnosis.findings if f.changed]
+    return '; '.join(told) or 'nothing'
+
+
+def _judged(robot, plant, runs, entries, racing):
+    """Return loads (runs, 10) and {choice: (runs, moments, 2, 10)}, as measure_retraining."""
     cases = [_case(robot, plant, seed, entries) for seed in load_seeds(plant, runs)]
-    answers = [_answers(robot, case, racing) for case in cases]
-    return {'effect': name, 'plant': plant, 'joints': entries[0]['joints'], 'seconds': seconds,
-            'loads': [case.load.to_message().tolist() for case, a in zip(cases, answers) if a],
-            'rows': {choice: [a[choice] for a in answers if a] for choice in racing}}
+    answers = [(case.load.to_message().tolist(), _answers(robot, case, racing)) for case in cases]
+    answers = [(load, answer) for load, answer in answers if answer]
+    if not answers:
+        raise ConfigurationError('--cases', 'leaves no run in which the arm moves long enough',
+                                 runs, todo='ask for more')
+    return ([load for load, _ in answers],
+            {choice: [answer[choice] for _, answer in answers] for choice in racing})
 
 
 def _trained(work, choice, recipe, shipped, robot):
@@ -112,7 +128,7 @@ def retraining_scores(found):
     and median half-width of the mass's 95 % interval [kg] at every moment; share of all
     intervals, over parameters and moments, that hold the truth.
     """
-    return {'cases': [{**{key: r[key] for key in ('effect', 'plant', 'joints', 'seconds')},
+    return {'cases': [{**{key: r[key] for key in ('effect', 'plant', 'joints', 'found', 'seconds')},
                        'runs': len(r['loads']),
                        'choices': {choice: _figures(np.array(r['loads']), np.array(rows))
                                    for choice, rows in r['rows'].items()}}

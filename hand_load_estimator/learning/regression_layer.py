@@ -3,7 +3,7 @@ The recursive regression as a torch layer, batched and differentiable.
 
 The same mathematics as estimators/information.py (a test compares them): sums of weighted
 normal equations, marginalisation of the model's nuisances, Gauss-Newton with the prior in shape
-parameters. Gradients reach the weights and corrections a network puts on every sample.
+parameters. Gradients reach the corrections a network puts on every sample.
 """
 
 import torch

@@ -240,7 +240,11 @@ def _temperature_error(model, x, warmth):
 
 
 def _through_filter(q, v, torque):
-    """Return filtered q, v, a, torque (N / EVERY, n) as MotionFilter gives them."""
+    """
+    Return filtered q, v, a, torque (N / EVERY, n) as MotionFilter gives them without Derivatives.
+
+    Accelerations by the velocity alone are what an arm with a coarse encoder has.
+    """
     matrix, before, now = filter_step(1.0 / RATE)
     signal = np.concatenate([q, v, torque], axis=1)
     state = np.repeat(signal[:1], 3, axis=0)

@@ -102,7 +102,7 @@ def _grid(model, residual, effect, shape, j):
     own = _bent(model, effect, j)
     if not own:
         return shown
-    # The model's own is tried first, because it costs nothing more; a straight line last.
+    # Behind a straight line every knee would have to pay for itself again: it comes last.
     return [own[shape.name], *(knee for knee in reversed(shown) if knee != own[shape.name])]
 
 
