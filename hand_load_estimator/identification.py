@@ -102,8 +102,9 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt), system.dt,
                           system.owner)
-    residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift,
-                          sliding, share_left_out(system, left_out, stated, drift))
+    residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift, sliding,
+                          share_left_out(system, held_out(system, mean, covariance, stated),
+                                         stated, drift))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.name for e in evidence),

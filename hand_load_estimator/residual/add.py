@@ -136,9 +136,10 @@ def _identified(model, declared, mean, covariance, evidence, own):
         drift = drift_of(system, left_out.residual, weights)
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
+    stated = system.weights(intensity, friction)
     found = Residuals(rmse, intensity, drift,
-                      load_share=share_left_out(system, left_out,
-                                                system.weights(intensity, friction), drift))
+                      load_share=share_left_out(system, held_out(system, mean, covariance, stated),
+                                                stated, drift))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
