@@ -23,6 +23,8 @@ class JointStream:
         self._guard = InputGuard(robot)
         self._filter = MotionFilter(robot.n)
         self._read_at = np.full(robot.n, -np.inf)
+        # No reading expires before this: joint states come too often to look at all of them.
+        self._none_expires_before = -np.inf
         self.accepted = 0
 
     @property
@@ -66,14 +68,22 @@ class JointStream:
             return
         self._filter.set_temperature(matches[0], celsius)
         # Joint states tell the time; a reading before the first of them starts with it.
-        self._read_at[matches[0]] = np.nan if self.last_stamp is None else self.last_stamp
+        now, expires = ((np.nan, -np.inf) if self.last_stamp is None
+                        else (self.last_stamp, self.last_stamp + TEMPERATURE_LIFE))
+        self._read_at[matches[0]] = now
+        self._none_expires_before = min(self._none_expires_before, expires)
 
     def _expire_temperatures(self, stamp):
+        if stamp <= self._none_expires_before:
+            return
         self._read_at[np.isnan(self._read_at)] = stamp
         for joint in np.flatnonzero(stamp - self._read_at > TEMPERATURE_LIFE):
             if np.isfinite(self._filter.temperature[joint]):
                 self._filter.set_temperature(joint, np.nan)
                 self._guard.rejected['temperature_expired'] += 1
+                self._read_at[joint] = -np.inf
+        known = self._read_at[self._read_at > -np.inf]
+        self._none_expires_before = min(known, default=stamp) + TEMPERATURE_LIFE
 
 
 def motion_samples(stream, recording):

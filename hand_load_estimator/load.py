@@ -48,24 +48,23 @@ def _second_moments(inertia):
     return 0.5 * np.trace(inertia) * np.eye(3) - inertia
 
 
+# Entries of the second moments (9), row by row, of each of the six in message order.
+_SECOND_MOMENTS = np.array([_second_moments(_tensor(six)).ravel() for six in np.eye(6)]).T
+
+
 def second_moments(six):
     """Return int r r^T dm (3, 3) [kg m^2] of an inertia (6,) in message order."""
-    return _second_moments(_tensor(six))
+    return _SECOND_MOMENTS.dot(six).reshape(3, 3)
+
+
+def second_moment_row(axis):
+    """Return a (6,) with a . inertia in message order = second moment along a unit axis (3,)."""
+    return (axis[:, None] * axis).ravel().dot(_SECOND_MOMENTS)
 
 
 def inertia_of_second_moments(moments):
     """Return the inertia (6,) in message order of second moments (3, 3)."""
     return _six(np.trace(moments) * np.eye(3) - moments)
-
-
-# Of a symmetric tensor each entry beside the diagonal stands for two.
-_ROWS, _COLUMNS = np.transpose(_MESSAGE_TENSOR)
-_TIMES, _HALF_TRACE = np.where(_ROWS == _COLUMNS, [[1.0], [0.5]], [[2.0], [0.0]])
-
-
-def second_moment_row(axis):
-    """Return a (6,) with a . inertia in message order = second moment along a unit axis (3,)."""
-    return _HALF_TRACE - _TIMES * axis[_ROWS] * axis[_COLUMNS]
 
 
 @dataclass(frozen=True)

@@ -157,3 +157,29 @@ def test_temperatures_of_others_are_passed_over_and_prefixes_found():
     stream.temperature_reading('left_j2', 40.0)
     assert not stream.rejected
     np.testing.assert_array_equal(stream.temperature, [NAN, NAN, 40.0, NAN])
+
+
+def test_a_temperature_not_renewed_expires_whatever_the_clock_does():
+    model = exact_model('four')
+    still = messages(model, block(1.0), 0.1)[0]
+    stream = JointStream(model.robot)
+
+    def feed(begin, seconds, warm=()):
+        for k in range(int(10.0 * seconds)):
+            stream.joint_state(begin + 0.1 * k, still.names, still.position, still.velocity,
+                               still.effort)
+            for joint in warm:
+                stream.temperature_reading(joint, 30.0)
+
+    stream.temperature_reading('j1', 31.0)
+    feed(1000.0, 29.9, ('j2',))
+    np.testing.assert_array_equal(stream.temperature, [NAN, 31.0, 30.0, NAN])
+    feed(1030.0, 1.0)
+    np.testing.assert_array_equal(stream.temperature, [NAN, NAN, 30.0, NAN])
+    # Before a clock restarts and after it a reading has the same life.
+    feed(5.0, 1.0, ('j3',))
+    feed(6.0, 29.9)
+    assert stream.temperature[3] == 30.0
+    feed(36.0, 1.0)
+    assert np.isnan(stream.temperature[3])
+    assert stream.rejected == {'temperature_expired': 2, 'clock_restart': 1}

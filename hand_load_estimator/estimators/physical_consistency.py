@@ -14,7 +14,10 @@ constraint would bias, and the covariance stays: it is the doubt before the cons
 smaller than the one after it, so intervals still hold.
 """
 
+import math
+
 import numpy as np
+from scipy.linalg.lapack import dsyev
 
 from ..load import inertia_of_second_moments, second_moment_row, second_moments
 from .method import Belief
@@ -25,6 +28,8 @@ LIGHTEST, LEAST = 1e-6, 1e-6
 # Steps aim at twice the least and further by a share of what lacks: where half spaces meet they
 # would creep. A step of less than twice the distance still comes nearer to all of the set.
 AIM, FURTHER, STEPS = 2.0, 0.2, 20
+# Moments so much smaller than the largest are as good as zero: their product is lost in rounding.
+ROUNDING = 1e-7
 # A mass or moment below zero by more standard deviations is no noise.
 CONTRADICTION = 3.0
 
@@ -64,11 +69,11 @@ def _nearest(mass, inertia, covariance):
     for _ in range(STEPS):
         if _is_body(mass, inertia):
             return inertia
-        moments, axes = np.linalg.eigh(second_moments(inertia))
+        moments, axes, _ = dsyev(second_moments(inertia))
         row = second_moment_row(axes[:, 0])
         gain = covariance.dot(row)
         lack, variance = AIM * LEAST * mass - moments[0], row.dot(gain)
-        if moments[0] < -CONTRADICTION * np.sqrt(variance):
+        if moments[0] < -CONTRADICTION * math.sqrt(max(variance, 0.0)):
             return None
         if variance <= 0.0:
             break
@@ -78,8 +83,9 @@ def _nearest(mass, inertia, covariance):
 
 def _raised(mass, inertia):
     """Return inertia (6,), moments below the least raised to it, whatever the covariance says."""
-    moments, axes = np.linalg.eigh(second_moments(inertia))
-    return inertia_of_second_moments(axes * np.maximum(moments, AIM * LEAST * mass) @ axes.T)
+    moments, axes, _ = dsyev(second_moments(inertia))
+    least = max(AIM * LEAST * mass, ROUNDING * moments[-1])
+    return inertia_of_second_moments(axes * np.maximum(moments, least) @ axes.T)
 
 
 def _is_body(mass, inertia):

@@ -143,13 +143,14 @@ class Pipeline:
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
-        last = self._stream.last_stamp
+        last, belief = self._stream.last_stamp, self.method.belief()
         if last is None:
-            return self._say(now, self.method.belief(), 'NO_DATA', 'no joint states yet')
-        belief = self.method.belief()
+            return self._say(now, belief, 'NO_DATA', 'no joint states yet',
+                             self._determined(belief))
         if now - last > self._stale_after:
             return self._say(last, belief, 'STALE_INPUT',
-                             f'no usable joint state for {now - last:.2f} s')
+                             f'no usable joint state for {now - last:.2f} s',
+                             self._determined(belief))
         return self._estimate or self._labelled(last, belief)
 
     def suggest_motion(self):
@@ -184,29 +185,33 @@ class Pipeline:
         return bool((np.abs(sample.v[loaded]) > MOTION_START).any())
 
     def _labelled(self, stamp, belief):
-        determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
+        determined = self._determined(belief)
+        return self._say(stamp, belief, *self._status(stamp, determined), determined)
+
+    def _status(self, stamp, determined):
+        """Return status and reason while measurements arrive; determined (10,) bool."""
         change = self.method.last_change
         if not self._began and not self._restored:
-            return self._say(stamp, belief, 'WAITING_FOR_MOTION',
-                             'no joint that carries the load has moved: at rest friction hides it')
+            return ('WAITING_FOR_MOTION',
+                    'no joint that carries the load has moved: at rest friction hides it')
         if self.method.mismatch:
-            return self._say(stamp, belief, 'MODEL_MISMATCH', self.method.mismatch)
+            return 'MODEL_MISMATCH', self.method.mismatch
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
-            return self._say(stamp, belief, 'LOAD_CHANGED',
-                             'recent torques belong to another load')
+            return 'LOAD_CHANGED', 'recent torques belong to another load'
         if determined[:4].all():
-            return self._say(stamp, belief, 'DETERMINED',
-                             f'mass and centre of mass are determined{self._unconfirmed()}')
+            return 'DETERMINED', f'mass and centre of mass are determined{self._unconfirmed()}'
         open_ = [name for name, done in zip(('mass', 'x', 'y', 'z'), determined) if not done]
-        return self._say(stamp, belief, 'ESTIMATING',
-                         f'not determined yet: {", ".join(open_)}{self._unconfirmed()}')
+        return 'ESTIMATING', f'not determined yet: {", ".join(open_)}{self._unconfirmed()}'
 
     def _unconfirmed(self):
         """Return in words that a restored estimate has seen no motion yet."""
         return '' if self._began else f'; {self._restored}, no motion since'
 
-    def _say(self, stamp, belief, status, reason):
-        determined = np.sqrt(np.diag(belief.covariance)) < self._thresholds
+    def _determined(self, belief):
+        """Return (10,) bool: which parameters are known as well as users asked for."""
+        return np.sqrt(belief.covariance.diagonal()) < self._thresholds
+
+    def _say(self, stamp, belief, status, reason, determined):
         belief = published(belief, self.method)
         return LoadEstimate(stamp, belief.mean, belief.covariance, determined, status, reason,
                             self.load_id)

@@ -63,7 +63,7 @@ class EstimatorNode(Node):
         self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age)
         self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
-        self._last_status = None
+        self._last_status = self._drawn_next = None
         self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
         self._create_outputs()
         self._create_inputs(values)
@@ -118,9 +118,13 @@ class EstimatorNode(Node):
         self._taken['joint_states'] += 1
         estimate = self._pipeline.joint_state(seconds, message.name, message.position,
                                               message.velocity, message.effort)
+        drawn_next, self._drawn_next = self._drawn_next, estimate
         if estimate is not None:
             self._publish_estimate(estimate)
+        if drawn_next is not None:
+            # A message later, so that whoever waits for the estimate runs first.
             self._pipeline.settle()
+            self._draw(drawn_next)
 
     def _on_temperature(self, message):
         self._take_temperature(message.header.frame_id, message.temperature)
@@ -142,8 +146,11 @@ class EstimatorNode(Node):
         self._residual.publish(residual_message(self._joints, self._pipeline.residual, stamp))
         if key != self._last_status:
             self._publish_status()
-        if self._markers_throttle and self._markers_throttle.due(seconds):
-            header = Header(stamp=stamp, frame_id=frame)
+
+    def _draw(self, estimate):
+        if self._markers_throttle and self._markers_throttle.due(estimate.stamp):
+            header = Header(stamp=self._base.message(estimate.stamp),
+                            frame_id=self._robot.load_frame)
             self._markers.publish(estimate_markers(estimate, header))
 
     def _now(self):
