@@ -68,6 +68,12 @@ def cpu_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
+def stolen_seconds():
+    """Return the processor time that the host of a virtual machine has given to others [s]."""
+    with open('/proc/stat', encoding='utf-8') as file:
+        return int(file.readline().split()[8]) / os.sysconf('SC_CLK_TCK')
+
+
 @contextmanager
 def ended(command, **options):
     """Yield a process that does not outlive the block."""
@@ -99,7 +105,7 @@ class Ear(Listener):
 
     def __init__(self, domain):
         super().__init__(domain, EventsExecutor)
-        self.delays = []
+        self.delays, self.stolen = [], 0.0
         self.node.create_subscription(InertiaStamped, _LISTEN, self._arrived, OUTPUT)
         gc.collect()
         gc.freeze()
@@ -113,16 +119,18 @@ class Ear(Listener):
         with ended([sys.executable, __file__, '--play', str(domain), '--rate', str(rate),
                     '--seconds', str(seconds)]) as sender:
             self.until(lambda: self.delays, 60.0, 'an estimate')
-            used, begun = cpu_seconds(pid), time.monotonic()
+            used, stolen, begun = cpu_seconds(pid), stolen_seconds(), time.monotonic()
             self.spin(seconds - 1.0)
             share = (cpu_seconds(pid) - used) / (time.monotonic() - begun)
+            self.stolen = stolen_seconds() - stolen
             self.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
         return share
 
     def told(self):
         """Return the delays in words."""
         return (f'{len(self.delays)} answers, delay median {np.median(self.delays):.2f} ms, '
-                f'99th percentile {np.percentile(self.delays, 99):.2f} ms')
+                f'99th percentile {np.percentile(self.delays, 99):.2f} ms '
+                f'(the host took {1e3 * self.stolen:.0f} ms away)')
 
 
 def measure(rate, seconds, method):

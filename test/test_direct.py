@@ -23,7 +23,7 @@ from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.shared_files import find_shared
 
-RECURRENT = ('lstm_direct', 'gru', 'elman')
+RECURRENT = ('lstm_direct', 'gru', 'elman', 'jordan')
 
 
 @pytest.fixture(scope='module')
@@ -69,7 +69,7 @@ def test_E1_3_24_inputs_of_six_axes_with_temperatures_ten_outputs(name):
     assert mean.shape[-1] == 10
 
 
-@pytest.mark.parametrize('name', RECURRENT)
+@pytest.mark.parametrize('name', [name for name in RECURRENT if name != 'jordan'])
 def test_E1_3_what_was_gathered_goes_through_a_layer_before_the_answer(tmp_path, robot, name):
     design = design_for(robot, name)
     assert design.head_layers == 1 and design_for(robot, 'feedforward').head_layers == 0
@@ -103,6 +103,23 @@ def test_E1_3_recurrent_with_one_or_more_layers(robot, name, layers):
             steps.append(torch.cat(answer, dim=-1))
     np.testing.assert_allclose(torch.cat(steps, dim=1), torch.cat([mean, std], dim=-1), atol=1e-5)
     assert sum('weight_hh' in n for n, _ in network.named_parameters()) == layers
+
+
+@pytest.mark.parametrize('layers', [1, 3])
+def test_E1_3_a_jordan_network_remembers_its_last_answer_and_nothing_else(robot, layers):
+    network = network_of(robot, design_of(robot, 'jordan', layers=layers))
+    x = inputs(robot, count=12)
+    with torch.no_grad():
+        mean, std, answer = network(x[:, :11])
+        # Mean in the prior's deviations, then e-folds of those.
+        np.testing.assert_allclose((mean[:, -1] - network.centre) / network.scale,
+                                   answer[:, :10], atol=1e-4)
+        np.testing.assert_allclose(torch.log(std[:, -1] / network.scale), answer[:, 10:].clamp(max=0.5),
+                                   atol=1e-5)
+        behind, _, _ = network(x[:, 11:], answer)
+        np.testing.assert_allclose(behind[:, -1], network(x)[0][:, -1], atol=1e-6)
+        assert (network(x[:, 11:])[0] - behind).abs().max() > 1e-5
+    assert len(network.backbone.cell.behind) == layers - 1
 
 
 def test_E1_4_feed_forward_reads_a_window_of_fixed_length(robot):

@@ -15,6 +15,7 @@ NETWORKS = {
     'lstm_direct': 'LSTM (E1.3, eq. 2-7)',
     'gru': 'gated recurrent units (E1.3)',
     'elman': 'Elman network (E1.3)',
+    'jordan': 'Jordan network (E1.3)',
     'feedforward': 'feed-forward network on windows of a fixed length (E1.4)',
     'two_network': 'LSTM for the load and LSTM for the torque error that corrects it (E1.6)',
     'dropout': 'LSTM, judged by randomly thinned copies of itself (E6.2)'}
@@ -47,6 +48,11 @@ class Design:
         """Places of the parameters in message order."""
         return [MESSAGE_ORDER.index(name) for name in self.parameters]
 
+    @property
+    def answers(self):
+        """How many numbers the network answers: mean and deviation of each parameter."""
+        return 2 * len(self.parameters)
+
 
 def design_for(robot, network, joints=None, parameters=None):
     """
@@ -57,9 +63,10 @@ def design_for(robot, network, joints=None, parameters=None):
     if network not in NETWORKS:
         raise ConfigurationError('--network', 'is not known', network, ', '.join(NETWORKS))
     # What recurrent layers gather are sums: a load is a quotient of those, which no sum gives.
+    # A Jordan network's answer is what it remembers, with nothing between.
     return Design(network, _subset('--joints', joints, robot.joints),
                   _subset('--parameters', parameters, MESSAGE_ORDER),
-                  head_layers=0 if network == 'feedforward' else 1)
+                  head_layers=0 if network in ('feedforward', 'jordan') else 1)
 
 
 def _subset(where, chosen, allowed):

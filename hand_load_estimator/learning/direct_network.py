@@ -6,10 +6,13 @@ numbers for k joints, and whether temperatures are known. Each answers mean and 
 of its parameters in message order at every step; an untrained network answers the prior.
 """
 
+from functools import partial
+
 import torch
 from torch import nn
 
 from ..estimators.load_prior import load_prior
+from .jordan import Jordan
 from .regression_layer import message_moments
 
 CELLS = {'lstm_direct': nn.LSTM, 'gru': nn.GRU, 'elman': nn.RNN, 'two_network': nn.LSTM,
@@ -76,10 +79,10 @@ class _Products(nn.Module):
 class _Recurrent(nn.Module):
     """A layer per sample, then recurrent ones (E1.3). masks thin both for a whole sequence."""
 
-    def __init__(self, cell, inputs, hidden, layers):
+    def __init__(self, inputs, hidden, make_cell):
         super().__init__()
         self.front = _Products(inputs, hidden)
-        self.cell = cell(hidden, hidden, layers, batch_first=True)
+        self.cell = make_cell()
 
     def forward(self, x, state, at, masks):
         """Return features (B, J, hidden) after the samples `at`, and the state."""
@@ -121,9 +124,25 @@ def _between(design):
 
 
 def _backbone(design, inputs):
+    hidden, layers = design.hidden, design.layers
     if design.network == 'feedforward':
-        return _Windows(inputs, design.hidden, design.layers, design.window)
-    return _Recurrent(CELLS[design.network], inputs, design.hidden, design.layers)
+        return _Windows(inputs, hidden, layers, design.window)
+    if design.network == 'jordan':
+        cell = partial(Jordan, hidden, hidden, layers, design.answers)
+    else:
+        cell = partial(CELLS[design.network], hidden, hidden, layers, batch_first=True)
+    return _Recurrent(inputs, hidden, cell)
+
+
+def _answer(design):
+    """Return the layers from the features to mean and standard deviation."""
+    if design.network == 'jordan':
+        return nn.Identity(), nn.Identity()
+    between, width = _between(design)
+    head = nn.Linear(width, design.answers)
+    nn.init.zeros_(head.weight)
+    nn.init.zeros_(head.bias)
+    return between, head
 
 
 class DirectNetwork(nn.Module):
@@ -138,10 +157,7 @@ class DirectNetwork(nn.Module):
         self.register_buffer('centre', centre.float(), persistent=False)
         self.register_buffer('scale', torch.sqrt(variance).float(), persistent=False)
         self.backbone = _backbone(design, 7 * self._joints + 1)
-        self.between, width = _between(design)
-        self.head = nn.Linear(width, 2 * len(design.parameters))
-        nn.init.zeros_(self.head.weight)
-        nn.init.zeros_(self.head.bias)
+        self.between, self.head = _answer(design)
 
     def forward(self, x, state=None, at=None, masks=None):
         """
@@ -179,7 +195,8 @@ class TwoNetworks(nn.Module):
         super().__init__()
         self.design, self._joints = design, len(design.joints)
         self.load = DirectNetwork(robot, design)
-        self.error = _Recurrent(nn.LSTM, 5 * self._joints + 1 + 10, design.hidden, 1)
+        self.error = _Recurrent(5 * self._joints + 1 + 10, design.hidden, partial(
+            nn.LSTM, design.hidden, design.hidden, batch_first=True))
         self.error_head = nn.Linear(design.hidden, self._joints)
         nn.init.zeros_(self.error_head.weight)
         nn.init.zeros_(self.error_head.bias)
