@@ -162,7 +162,7 @@ class Lstm(Watching):
             # At a renewal there is enough to do.
             self._plain.look_for_change()
         if self._plain.changes > changes:
-            self._learned.begin_anew(self._plain.last_change)
+            self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
             self._restart()
 
     def _take_back(self, stamp):
