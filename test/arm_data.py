@@ -73,6 +73,10 @@ class Feeder:
         # The other side may need a moment longer, and drops what comes before.
         self._listener.spin(0.5)
 
+    def temperatures_heard(self):
+        """Tell whether a node listens to temperatures."""
+        return self._temperatures.get_subscription_count() > 0
+
     def stamp(self, t):
         """Return the integer nanoseconds of a sample's time."""
         return self.epoch + int(round(t * 1e9))

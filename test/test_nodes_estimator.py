@@ -192,6 +192,24 @@ def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listene
     assert estimator.stopped(signal.SIGTERM)[0] == 0
 
 
+def test_temperatures_under_other_names_are_told(estimator, feeder, listener):
+    """Ids that match no joint once left the filter without temperatures and the operator calm."""
+    names, feeder.joints = feeder.joints, [f'joint_{k}' for k in range(6)]
+    listener.until(feeder.temperatures_heard, 10.0, 'a subscription of temperatures')
+    feeder.warm()
+    feeder.joints = names
+    feeder.play(arm_samples((3.0,)))
+    listener.until(lambda: estimator.said('input')[0].startswith('no temperature of'), 5.0)
+    message, values = estimator.said('input')
+    assert "'joint_5'" in message and 'elbow_joint' in message
+    assert values['temperatures known'] == '0 of 6' and values['received temperatures'] == '6'
+    feeder.warm()
+    feeder.epoch += int(4e9)
+    feeder.play(arm_samples((3.0,)))
+    listener.until(lambda: estimator.said('input')[0] == 'joint states arrive', 5.0, 'an OK')
+    assert estimator.said('input')[1]['temperatures known'] == '6 of 6'
+
+
 def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     feeder.play(samples[:300])
