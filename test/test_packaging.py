@@ -6,11 +6,14 @@ import shutil
 import signal
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from ros_helpers import ROOT, Listener, NodeProcess, free_domain, node_environment
 from sensor_msgs.msg import JointState
 from test_imports import IMPORTS, PACKAGE, ROS
@@ -201,6 +204,41 @@ def test_setup_asks_for_the_wheels_requirements_pin():
     assert len(pinned) > 8
     for name in pinned:
         assert f"'{name}" in source or name == 'setuptools', name
+
+
+def installed_for(*names):
+    """
+    Return {distribution: version} of the requirements (with extras) and what they bring in.
+
+    Without what one of them asks for in an exact version, as torch does for its CUDA parts.
+    """
+    found, todo = {}, [Requirement(name) for name in names]
+    while todo:
+        wanted = todo.pop()
+        key = (canonicalize_name(wanted.name), frozenset(wanted.extras))
+        if key in found:
+            continue
+        found[key] = metadata.version(wanted.name)
+        extras = wanted.extras or {''}
+        todo += [needed for needed in map(Requirement, metadata.requires(wanted.name) or [])
+                 if not str(needed.specifier).startswith('==') and (
+                     needed.marker is None
+                     or any(needed.marker.evaluate({'extra': extra}) for extra in extras))]
+    return {name: version for (name, _), version in found.items()}
+
+
+def test_constraints_pin_everything_that_is_installed():
+    """What is not pinned is another version tomorrow; networkx, which torch brings, once was."""
+    lines = [line for file in ('requirements.txt', 'requirements-test.txt')
+             for line in (ROOT / file).read_text().splitlines() if '==' in line]
+    pins = {canonicalize_name(name): version for name, version in (
+        line.split('==') for line in (ROOT / 'constraints.txt').read_text().splitlines()
+        if '==' in line)}
+    installed = installed_for(*lines)
+    assert len(installed) > 100
+    # A build is told by a suffix, 2.13.0+cpu.
+    assert {name: version.split('+')[0] for name, version in installed.items()} == {
+        name: pins.get(name) for name in installed}
 
 
 def test_launch_file_declares_what_it_uses():
