@@ -15,7 +15,6 @@ from hand_load_estimator.nodes.estimate_messages import (covariance_message, est
 from hand_load_estimator.nodes.markers import equivalent_ellipsoid, estimate_markers
 from hand_load_estimator.nodes.pace import Pace
 from hand_load_estimator.nodes.stamps import StampBase, time_message
-from hand_load_estimator.nodes.temperature_input import temperatures_of
 from hand_load_estimator.nodes.throttle import Throttle
 
 
@@ -139,19 +138,3 @@ def test_throttle_keeps_the_rate_in_spite_of_jitter(rate, passed):
     assert abs(sum(throttle.due(t) for t in times) - passed) <= 2
     assert throttle.due(1.0), 'a clock that goes back does not stop it'
     assert not throttle.due(1.0 + 0.5 / rate)
-
-
-def test_temperatures_of_dynamic_joint_state():
-    """control_msgs is not needed to know how its message is read."""
-    class Values:
-        def __init__(self, names, values):
-            self.interface_names, self.values = names, values
-
-    class Message:
-        joint_names = ['a', 'b', 'c']
-        interface_values = [Values(['position', 'temperature'], [0.1, 31.5]),
-                            Values(['position'], [0.2]), Values(['temperature'], [math.nan])]
-
-    read = list(temperatures_of(Message))
-    assert read[0] == ('a', 31.5) and read[1][0] == 'c' and math.isnan(read[1][1])
-    assert len(read) == 2
