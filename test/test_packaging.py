@@ -2,12 +2,14 @@
 
 import ast
 import os
+import runpy
 import shutil
 import signal
 import subprocess
 import sys
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
@@ -253,10 +255,41 @@ def test_launch_file_declares_what_it_uses():
     used = {node.args[0].value for node in called if node.func.id == 'LaunchConfiguration'
             and isinstance(node.args[0], ast.Constant)}
     assert used == declared
-    assert {'robot', 'namespace', 'use_sim_time', 'record'} <= declared
+    assert {'robot', 'model', 'namespace', 'use_sim_time', 'record'} <= declared
     nodes = {node.args[0].value for node in called if node.func.id == '_node'
              and isinstance(node.args[0], ast.Constant)}
     assert nodes == {'simulator', 'estimator', 'controller'}
+
+
+@pytest.mark.parametrize('given, passed', [({}, None), ({'model': 'my.yaml'}, 'my.yaml')])
+def test_launch_file_hands_a_model_on_only_when_given(monkeypatch, given, passed):
+    """
+    With stand-ins of `launch`, which keep what they are given.
+
+    An empty model handed on would win over the one in a parameter file.
+    """
+    class Kept(SimpleNamespace):
+        def __init__(self, *values, **named):
+            super().__init__(values=values, **named)
+
+        def perform(self, context):
+            return context.get(self.values[0], '')
+
+    for name in ('launch', 'launch.actions', 'launch.conditions', 'launch.substitutions',
+                 'launch_ros', 'launch_ros.actions', 'launch_ros.parameter_descriptions',
+                 'launch_ros.substitutions'):
+        module = ModuleType(name)
+        module.__getattr__ = lambda wanted: Kept
+        monkeypatch.setitem(sys.modules, name, module)
+    launch_file = runpy.run_path(ROOT / 'launch' / 'hand_load.launch.py')
+    (actions,) = launch_file['generate_launch_description']().values
+    (late,) = [action.function for action in actions if hasattr(action, 'function')]
+    nodes = late(given)
+    assert [node.name for node in nodes] == ['estimator', 'controller']
+    for node in nodes:
+        fixed = node.parameters[1]
+        assert (fixed['model'].values[0] if 'model' in fixed else None) == passed
+        assert {'robot', 'use_sim_time'} <= set(fixed)
 
 
 def test_scripts_run_in_bash_and_are_executable():

@@ -15,7 +15,6 @@ from visualization_msgs.msg import MarkerArray
 
 from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
-from ..shared_files import find_shared
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .controller_messages import trajectory_message
@@ -26,6 +25,7 @@ from .estimate_messages import (covariance_message, estimate_status, inertia_mes
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
+from .model_choice import robot_and_model
 from .model_report import report_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
@@ -40,8 +40,7 @@ _CHECKPOINT_PERIOD = 1.0  # [s]
 
 def build_from_parameters(values):
     """Return the Pipeline the parameters ask for; raises ConfigurationError."""
-    robot = find_shared(values.robot, 'robots')
-    model = find_shared(values.model or robot.stem, 'models')
+    robot, model = robot_and_model(values)
     return build_pipeline(model, values.method, values.learned or None, robot,
                           values.tool or None)
 
