@@ -2,10 +2,11 @@
 
 import math
 import signal
+import time
 
 import numpy as np
 import pytest
-from arm_data import Feeder, arm_samples
+from arm_data import Feeder, arm_samples, standing_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
 from sensor_msgs.msg import JointState
@@ -208,6 +209,18 @@ def test_temperatures_under_other_names_are_told(estimator, feeder, listener):
     feeder.play(arm_samples((3.0,)))
     listener.until(lambda: estimator.said('input')[0] == 'joint states arrive', 5.0, 'an OK')
     assert estimator.said('input')[1]['temperatures known'] == '6 of 6'
+
+
+def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder):
+    """Effort of the wrong sign gave -13 kg with WAITING_FOR_MOTION, and diagnostics said OK."""
+    samples = standing_samples(3.0, 6.0)
+    feeder.epoch = time.time_ns()
+    feeder.play([(t, q, v, -effort) for t, q, v, effort in samples])
+    told = [status for message in estimator.diagnostics for status in message.status
+            if status.name.endswith('estimator: estimate')
+            and status.message.startswith('WAITING_FOR_MOTION')]
+    assert told and all(status.level == DiagnosticStatus.WARN for status in told[-2:])
+    assert 'run hand_load check' in told[-1].message and estimator.mass()[0] < -1.0
 
 
 def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):

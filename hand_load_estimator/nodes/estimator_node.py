@@ -18,10 +18,10 @@ from ..estimators.build import build_pipeline
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .controller_messages import trajectory_message
-from .diagnostics import Diagnostics
+from .diagnostics import WARN, Diagnostics
 from .draining import subscribe_draining
-from .estimate_messages import (covariance_message, estimate_status, inertia_message,
-                                residual_message)
+from .estimate_messages import (covariance_message, estimate_status, impossible_mass,
+                                inertia_message, residual_message)
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
@@ -181,7 +181,10 @@ class EstimatorNode(Node):
         values = [(pair.key, pair.value) for pair in status.values]
         values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
                    ('mass std [kg]', float(estimate.std[0]))]
-        return status.level, f'{estimate.status} {estimate.reason}'.strip(), values
+        told = f'{estimate.status} {estimate.reason}'.strip()
+        if impossible := impossible_mass(estimate, self._pipeline.tared_mass):
+            return max(status.level, WARN), f'{told}; {impossible}', values
+        return status.level, told, values
 
     def _on_reset(self, _request, response):
         self._pipeline.reset()
