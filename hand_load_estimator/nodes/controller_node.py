@@ -20,7 +20,7 @@ from ..control.fallback import FallbackSettings, usable_estimate
 from ..control.supervisor import CycleSettings, Supervisor
 from ..errors import ConfigurationError
 from ..input_guard import InputGuard
-from ..joint_stream import PLAUSIBLE_TEMPERATURE
+from ..joint_stream import PLAUSIBLE_TEMPERATURE, joint_index
 from ..model_file import read_model
 from ..robot import load_robot
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
@@ -140,12 +140,12 @@ class ControllerNode(Node):
         self._take_temperature(message.header.frame_id, message.temperature)
 
     def _take_temperature(self, joint, celsius):
-        matches = [i for i, name in enumerate(self._robot.joints) if joint.endswith(name)]
+        index = joint_index(joint, self._robot.joints)
         low, high = PLAUSIBLE_TEMPERATURE
-        if len(matches) != 1:
+        if index is None:
             return
         if low < celsius < high:
-            self._supervisor.temperature[matches[0]] = celsius
+            self._supervisor.temperature[index] = celsius
         else:
             self._rejected['implausible_temperature'] += 1
 
