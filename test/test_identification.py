@@ -36,7 +36,8 @@ def waves(robot, rng, seconds, celsius):
         q += size * np.sin(angle)
         v += size * w * np.cos(angle)
         a -= size * w * w * np.sin(angle)
-    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius))
+    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius),
+                  np.full(len(t), 10))
 
 
 class Made:

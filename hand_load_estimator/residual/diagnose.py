@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 
+from ..filtered_noise import noise_floor
 from ..identification import prior
 from ..sliding import sliding_rms
 from .add import better_model, made_from
@@ -13,7 +14,7 @@ from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
-from .find import find_residual, noise_floor
+from .find import find_residual
 from .findings import findings_of, refuted
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
@@ -124,7 +125,8 @@ def _errors(model, better, test):
     old, new = (errors_of(m, test) for m in (model, better))
     # Each model knows its friction state at other times; both are judged at the same.
     old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))
-    floor = noise_floor(new)
+    floor = noise_floor(new, np.concatenate([e.motion.dt for e in test]),
+                        np.concatenate([e.motion.messages for e in test]))
     before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
 
