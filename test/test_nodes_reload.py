@@ -11,6 +11,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 from test_nodes_estimator import Estimator
+from test_same_arm import another_arm, UR10
 
 from hand_load_estimator.model_file import write_model
 
@@ -41,6 +42,7 @@ def files(tmp_path):
     write_model(tmp_path / 'wrong.yaml', replace(right, mean=wrong, recordings=('old run',)))
     write_model(tmp_path / 'joints.yaml', exact_model('four'))
     write_model(tmp_path / 'current.yaml', exact_model('ur10e_current'))
+    write_model(tmp_path / 'ur10.yaml', replace(right, robot=another_arm(right.robot, UR10)))
     (tmp_path / 'text.yaml').write_text('schema: something\n')
     (tmp_path / 'broken.yaml').write_text('schema: [1, 2\n')
     return tmp_path
@@ -134,6 +136,7 @@ def test_a_model_that_does_not_fit_is_refused(estimator, feeder, listener, files
     play(feeder, listener, arm_samples())
     before = estimator.mass()
     for name, said in (('joints.yaml', 'another robot'), ('current.yaml', 'motor_current'),
+                       ('ur10.yaml', '24 mm from where ur10e'),
                        ('text.yaml', 'schema'), ('broken.yaml', 'not YAML'),
                        ('nowhere.yaml', 'nowhere'), ('x' * 5000, ''), ('.', '')):
         estimator.set_model(files / name)
