@@ -159,7 +159,7 @@ def test_what_changes_between_recordings_is_drift(made):
 
 
 def test_what_it_came_from_is_kept(found):
-    assert found.recordings == ('run 0', 'run 1', 'run 2', 'run 3')
+    assert found.recording_names == ['run 0', 'run 1', 'run 2', 'run 3']
     assert found.temperatures == (15.0, 35.0) and found.links_declared
 
 

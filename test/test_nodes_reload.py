@@ -14,6 +14,7 @@ from test_nodes_estimator import Estimator
 from test_same_arm import another_arm, UR10
 
 from hand_load_estimator.model_file import write_model
+from hand_load_estimator.recording_mark import RecordingMark
 
 MASS = 3.0
 
@@ -37,9 +38,11 @@ def files(tmp_path):
     offsets = [where.start for use, where in right.slices() if use.name == 'torque_offset']
     wrong[offsets[1]] += 20.0
     write_model(tmp_path / 'right.yaml', replace(
-        right, recordings=('run 1', 'run 2'), diagnosed='2026-03-01T14:30:00+00:00',
+        right, recordings=(RecordingMark('run 1', 'ab'), RecordingMark('run 2')),
+        diagnosed='2026-03-01T14:30:00+00:00',
         residuals=replace(right.residuals, sliding=0.5 * right.residuals.rmse)))
-    write_model(tmp_path / 'wrong.yaml', replace(right, mean=wrong, recordings=('old run',)))
+    write_model(tmp_path / 'wrong.yaml',
+                replace(right, mean=wrong, recordings=(RecordingMark('old run'),)))
     write_model(tmp_path / 'joints.yaml', exact_model('four'))
     write_model(tmp_path / 'current.yaml', exact_model('ur10e_current'))
     write_model(tmp_path / 'ur10.yaml', replace(right, robot=another_arm(right.robot, UR10)))

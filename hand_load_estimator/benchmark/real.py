@@ -67,7 +67,8 @@ def measure_set(name, data, folder, methods):
 
 def _evidence(robot, recording):
     motion, _ = motion_of(robot, recording)
-    return prepare(robot, recording.path.name, motion, recording.load or LoadParameters())
+    return prepare(robot, recording.path.name, motion, recording.load or LoadParameters(),
+                   recording)
 
 
 def _racing(models, methods):
