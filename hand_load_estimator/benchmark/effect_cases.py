@@ -14,7 +14,7 @@ SINGLE, PAIR, CLEAN, OUTSIDE = 'single', 'pair', 'clean', 'outside'
 # Effects of the plant that no model knows, and words for the variables they depend on.
 NOT_IN_VOCABULARY = {'speed_resonance_friction': ('velocity', 'speed'),
                      'swinging_load': ('acceleration', 'time')}
-CONTACT = 'external_contact'
+CONTACT, LOAD_CHANGE = 'external_contact', 'load_change'
 STRENGTHS = (0.5, 2.0, 5.0)
 MEDIUM = 2.0             # from here on the goals count
 REPEATS = 2
