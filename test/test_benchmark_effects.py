@@ -32,7 +32,8 @@ def finding(name, joints=(JOINT,), verdict=CONFIRMED, alternatives=(), advice=''
             parameter='k'):
     """Return a finding as results hold them."""
     return {'name': name, 'joints': list(joints), 'verdict': verdict,
-            'alternatives': list(alternatives), 'advice': advice, 'changed': False,
+            'alternatives': [{'effect': other, 'joints': list(joints), 'behind': 1.0, 'std': 1.0}
+                             for other in alternatives], 'advice': advice, 'changed': False,
             'variables': list(variables), 'parameters': {parameter: [1.0, 0.1, 'Nm']}, 'gain': 9.0,
             'gain_std': 1.0, 'needed': 3.0, 'next_best': None, 'margin': None}
 

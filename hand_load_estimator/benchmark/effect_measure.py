@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
+from ..report.diagnosis_json import alternatives_content
 from ..robot import load_robot
 from .effect_cases import place
 from .effect_errors import mass_errors, torque_rmse
@@ -59,7 +60,7 @@ def _said(diagnosis):
 def _finding(finding):
     evidence = finding.evidence
     return {'name': finding.name, 'joints': list(finding.joints), 'verdict': finding.verdict,
-            'alternatives': list(finding.alternatives), 'advice': finding.advice,
+            'alternatives': alternatives_content(finding), 'advice': finding.advice,
             'changed': bool(finding.changed),
             'variables': list(finding.variables),
             'parameters': {name: [float(mean), float(std), unit]

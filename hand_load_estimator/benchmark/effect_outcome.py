@@ -53,9 +53,13 @@ def _here(finding, effect):
             or bool(set(effect['joints']) & set(finding['joints'])))
 
 
+def _alternatives(finding):
+    return {other['effect'] for other in finding['alternatives']}
+
+
 def _both_named(finding, name, strictly):
     # Recordings may not tell some sets apart, and some pairs nothing can: then both are right.
-    if name not in finding['alternatives'] or not finding['advice']:
+    if name not in _alternatives(finding) or not finding['advice']:
         return False
     if not strictly and finding['advice'].startswith(NO_MOTION):
         return True
@@ -90,7 +94,7 @@ def _outcome(effect, findings, kind, false, strictly):
         (FOUND, any(f['name'] == name for f in here)),
         (BOTH, any(_both_named(f, name, strictly) for f in here)),
         (WRONG_JOINT, any(f['name'] == name for f in confirmed)),
-        (ALTERNATIVE, any(name in f['alternatives'] for f in here)),
+        (ALTERNATIVE, any(name in _alternatives(f) for f in here)),
         (SUSPECTED, any(f['name'] == name and _here(f, effect) for f in findings)),
         (CONFUSED, bool(false)))
     return next((outcome for outcome, holds in tests if holds), MISSED)
