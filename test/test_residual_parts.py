@@ -16,6 +16,7 @@ from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.blocks import Blocks
+from hand_load_estimator.residual.candidate import Candidate
 from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, partners,
                                                      same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
@@ -26,7 +27,6 @@ from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effec
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
                                                  too_little_gained, warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
-from hand_load_estimator.residual.trace import Candidate
 from hand_load_estimator.residual.unknown import rhythm
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import effect_slices
@@ -286,7 +286,8 @@ def step_of(name, joint, shape=None, alternatives=()):
     """Return a Step that says an effect was found."""
     hypothesis = Hypothesis(name, joint, {}, np.ones(1), shape or {})
     return SimpleNamespace(chosen=SimpleNamespace(parts=((hypothesis, None),)),
-                           alternatives=alternatives)
+                           alternatives=[SimpleNamespace(name=other, joints=[place])
+                                         for other, place in alternatives])
 
 
 def parameter(model, name, joint):
@@ -329,8 +330,9 @@ def test_what_was_found_changed_is_free_again():
     assert abs(mean - truth) < 4.0 * std + 0.01 * truth and std < 0.05 * truth
 
 
-@pytest.mark.parametrize('alternatives, free', [((), False), (('coulomb_friction',), True),
-                                                (('rotor_inertia',), False)])
+@pytest.mark.parametrize('alternatives, free', [
+    ((), False), ((('coulomb_friction', 0),), True), ((('coulomb_friction', 1),), False),
+    ((('rotor_inertia', 0),), False)])
 def test_what_may_have_changed_instead_is_free_too(alternatives, free):
     """Nothing told friction of a loaded gear from Coulomb's: the fit of everything may."""
     model, evidence = wrong(), recorded()

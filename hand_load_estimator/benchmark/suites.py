@@ -9,13 +9,15 @@ from .. import seeds
 from ..errors import ConfigurationError
 from ..plant.hidden import EFFECTS
 from .cases import Case, draw_case, draw_load
-from .effect_cases import EffectCase, Hidden, place, SINGLE
+from .effect_cases import EffectCase, Hidden, LOAD_CHANGE, place, SINGLE
 from .wrist_swing import WRIST_SWING
 
 # From this many cases on (the default method's coverage) plants are as many as here.
 MANY_PLANTS = 50
 CASES_PER_PLANT = 4
 UNDECLARED_STRENGTH = 2.0
+# With another load in the hand than a case says, the case would be wrong and not the method.
+UNDECLARED = [name for name in EFFECTS if name != LOAD_CHANGE]
 # Loads of the inertia suite, for a rated load of 12.5 kg: mass [kg], half axes [m].
 _HEAVY, _WIDE = (6.0, 10.0), (0.15, 0.2)
 
@@ -53,8 +55,8 @@ def draw_undeclared_case(robot, plant, seed):
     """
     case = draw_case(robot, plant, seed)
     joints = tuple(int(j) for j in np.random.default_rng([seed, 5]).permutation(robot.n))
-    names, first = list(EFFECTS), seed % len(EFFECTS)
-    for name in names[first:] + names[:first]:
+    first = seed % len(UNDECLARED)
+    for name in UNDECLARED[first:] + UNDECLARED[:first]:
         order = joints if EFFECTS[name].per_joint else ()
         hidden = Hidden(name, UNDECLARED_STRENGTH, order)
         try:

@@ -44,9 +44,9 @@ def better_model(model, steps, evidence):
 
 def _perhaps_too(model, step, hypothesis):
     """Return (name, joint) of declared effects that may have changed as well as, or instead."""
-    alike = set(step.alternatives) & set(partners(hypothesis.name))
-    return {(u.name, u.joint) for u in model.uses if u.joint == hypothesis.joint} \
-        & {(name, hypothesis.joint) for name in alike}
+    alike = {other.name for other in step.alternatives if hypothesis.joint in other.joints}
+    return {(u.name, u.joint) for u in model.uses if u.joint == hypothesis.joint
+            and u.name in alike & set(partners(hypothesis.name))}
 
 
 def identified_again(model, uses, evidence, changed=frozenset()):

@@ -50,16 +50,32 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Alternative:
+    """
+    Another explanation that the recordings cannot tell from a Finding: name, joints (names).
+
+    behind, std [nats]: how much less it gains on held-out data (less than nothing where it gains
+    more and is no simpler), and the standard error of that difference over blocks; NaN where there
+    is but one.
+    """
+
+    name: str
+    joints: tuple
+    behind: float
+    std: float
+
+
+@dataclass(frozen=True)
 class Finding:
     """
     One effect found: name, joints (names), parameters {name: (mean, std, unit)}.
 
     With several joints the parameters' names end in ` (joint)`. explained (n,): share of each
-    joint's residual variance; alternatives: effects these recordings cannot tell from it; advice:
-    the motion that would, or an empty string; changed: the model had it already, with other
-    figures; verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on;
-    recording: the one in which it happened, times counting from its first sample and explained
-    being the share of that time; empty for what is always there.
+    joint's residual variance; alternatives: each an Alternative; advice: the motion that would
+    tell, or an empty string; changed: the model had it already, with other figures;
+    verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on; recording:
+    the one in which it happened, times counting from its first sample and explained being the
+    share of that time; empty for what is always there.
     """
 
     name: str
