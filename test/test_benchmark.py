@@ -10,7 +10,7 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
-from hand_load_estimator.benchmark.contestants import Contestant, REGRESSOR
+from hand_load_estimator.benchmark.contestants import Contestant, OUR_MODEL, REGRESSOR
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
@@ -327,6 +327,7 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert abs(mean[0] - truth[0]) < 4.0 * std[0] and std[0] < 0.3
     error = {name: abs(rows[-1][0][0] - truth[0]) for name, rows in found['methods'].items()}
     assert error['bayes'] < 0.3 * error['fixed rated load']
+    assert error[OUR_MODEL] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
     assert set(found['cost']) == {*found['methods'], REGRESSOR}

@@ -9,7 +9,7 @@ from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture,
                                                     to_html, to_markdown, write_pages)
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
-                                                  offline_scores, overview, score)
+                                                  offline_scores, overview, rivals_of, score)
 
 NAMES = ('lstm', 'bayes', goals.NOMINAL, goals.TEXTBOOK, goals.TEXTBOOK_CAREFUL)
 
@@ -54,6 +54,22 @@ def test_mass_and_rivals_are_judged_on_the_default():
     far = judged({'base': content([case(k, (0.9, 1.0, 1.0, 1.0, 1.0)) for k in range(3)])})
     assert far['mass, 0.2 s after motion start, 95th percentile'][1] is False
     assert far["the network's own share of the error at 1 s, mass"] == ('10 %: below 20 %', False)
+
+
+def test_a_rivals_ratio_is_split_between_torque_model_and_method():
+    """C + V 50 g, the same least squares on our model 10 g, ours 4 g."""
+    runs = [case(k, (0.004, 0.008, 0.1, 0.5, 0.05)) for k in range(3)]
+    for run in runs:
+        run['methods'][goals.OUR_MODEL] = case(0, (0.01,) * 5)['methods']['lstm']
+    scores = content(runs)
+    near = judged({'base': scores})
+    said, reached = near['best least squares with Coulomb + viscous over ours at 1 s']
+    assert said.startswith('12.5 x: torque model 5.0 x, method 2.5 x') and reached
+    assert near['recursive least squares, nominal model, over ours at 1 s'][0].startswith(
+        '25.0 x: torque model 10.0 x, method 2.5 x')
+    # It is no baseline of issue 2: those look through their own model.
+    assert goals.OUR_MODEL in scores['scores'] and goals.OUR_MODEL not in rivals_of(
+        scores['scores'])
 
 
 def test_coverage_counts_from_2000_cases_and_40_plants():

@@ -14,7 +14,8 @@ from ros_helpers import ROOT
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, changes, cost, real, soak
 from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, NOMINAL,
-                                                       REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL)
+                                                       OUR_MODEL, REGRESSOR, TEXTBOOK,
+                                                       TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
                                                        soak_blocks)
@@ -119,7 +120,7 @@ def test_data_that_is_not_there_is_refused(tmp_path):
 @pytest.mark.skipif(not (DATA / 'staubli_tx40').is_dir(), reason=f'no recordings at {DATA}')
 def test_a_measured_set_is_identified_and_estimated(tmp_path):
     (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',))
-    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL}
+    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL, OUR_MODEL}
     assert found['truth'] == 0.0 and found['rated'] == 1.7
     mass, std = found['methods']['bayes'][-1]
     assert abs(mass) < 1.7 and 0.0 < std < 1.0

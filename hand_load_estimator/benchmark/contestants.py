@@ -18,6 +18,8 @@ WITHOUT_NETWORK = 'bayes'
 BLIND = f'{DEFAULT}, temperatures withheld'
 TEXTBOOK = 'least squares, Coulomb + viscous'
 TEXTBOOK_CAREFUL = 'the same, standing joints left out'
+# What the torque model alone is worth: the textbook's method looking through ours.
+OUR_MODEL = 'least squares, our model, standing joints left out'
 NOMINAL = 'recursive least squares, nominal model'
 FIXED = 'fixed rated load'
 # The whole arm's regressor: the load's columns alone are no call of pinocchio's.
@@ -97,6 +99,7 @@ def contestants(robot, models, names, learned):
         TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, skip_standing=False)),
         TEXTBOOK_CAREFUL: Contestant(
             textbook, lambda f: LeastSquares(textbook, skip_standing=True)),
+        OUR_MODEL: Contestant(ours, lambda f: LeastSquares(ours, skip_standing=True)),
         NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, skip_standing=False)),
         FIXED: Contestant(None, lambda f: FixedLoad(robot))}
 

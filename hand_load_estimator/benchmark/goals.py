@@ -5,7 +5,7 @@ from itertools import product
 from math import isfinite
 
 from ..load import MESSAGE_ORDER
-from .contestants import DEFAULT, NOMINAL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
+from .contestants import DEFAULT, NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
 from .document import Table
 
 NOT_MEASURED = 'not measured'
@@ -129,9 +129,20 @@ def _rival_rows(base):
         if base is None or not all(name in base.scores for name in names):
             out.append(GoalRow(what, wanted))
             continue
-        ratio = min(base.mass('1 s', name=name) for name in names) / base.mass('1 s')
-        out.append(GoalRow(what, wanted, f'{ratio:.1f} x', bool(ratio >= factor)))
+        rival, ours = min(base.mass('1 s', name=name) for name in names), base.mass('1 s')
+        ratio = rival / ours
+        out.append(GoalRow(what, wanted, f'{ratio:.1f} x{_merit(base, rival, ours)}',
+                           bool(ratio >= factor)))
     return out
+
+
+def _merit(base, rival, ours):
+    """Return in words which part of a rival's ratio the torque model has and which the method."""
+    if OUR_MODEL not in base.scores:
+        return ''
+    between = base.mass('1 s', name=OUR_MODEL)
+    return (f': torque model {rival / between:.1f} x, method {between / ours:.1f} x (least '
+            'squares on our model over ours)')
 
 
 def _network_rows(base):
