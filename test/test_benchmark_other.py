@@ -6,13 +6,13 @@ from pathlib import Path
 import subprocess
 import sys
 
-from core_helpers import four_axes
+from core_helpers import block, four_axes
 import numpy as np
 import pytest
 from ros_helpers import ROOT
 
 from hand_load_estimator import seeds
-from hand_load_estimator.benchmark import cases, changes, cost, real, soak
+from hand_load_estimator.benchmark import cases, change_scores, changes, cost, real, soak
 from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, NOMINAL,
                                                        OUR_MODEL, REGRESSOR, TEXTBOOK,
                                                        TEXTBOOK_CAREFUL)
@@ -41,13 +41,18 @@ def test_a_change_is_of_its_kind(kind):
             assert after.mass == before.mass and 0.1 * scale <= moved <= 0.3 * scale
 
 
-def seen(kind, at, moved, *stamps):
-    return {'kind': kind, 'plant': 1, 'at': at, 'moved': moved, 'seen': {'bayes': list(stamps)}}
+def seen(kind, at, moved, *stamps, off=0.0, place=0.0):
+    """Return a run at whose end mass [kg] and place [m] are off; stds are 0.1 kg and 1 mm."""
+    load = block(5.0).to_message()
+    mean = load + np.r_[off, place, np.zeros(8)]
+    return {'kind': kind, 'plant': 1, 'at': at, 'moved': moved, 'seen': {'bayes': list(stamps)},
+            'load': load.tolist(), 'rated': 12.5,
+            'end': {'bayes': [mean.tolist(), [0.1, *[1e-3] * 9]]}}
 
 
 def ran(seconds, count):
     return {'plant': 1, 'seconds': seconds, 'samples': 10, 'changes': {'bayes': count},
-            'mismatch': {'bayes': 0.5}}
+            'mismatch': {'bayes': 0.5}, 'end': {'bayes': [0.03 * (1 + count), 0.02]}}
 
 
 def test_delays_count_from_motion_and_only_after_the_change():
@@ -56,7 +61,7 @@ def test_delays_count_from_motion_and_only_after_the_change():
                'change_c': seen('drop', 5.0, 6.0), 'change_d': seen('slip', 5.0, 6.0, 5.5),
                'change_e': seen('slip', 5.0, None),
                'running_a': ran(1800.0, 0), 'running_b': ran(5400.0, 2)}
-    figures = changes.change_scores(results)['methods']['bayes']
+    figures = change_scores.change_scores(results)['methods']['bayes']
     assert (figures['changes'], figures['missed'], figures['too_early']) == (4, 1, 1)
     # Seen at rest before the first motion is seen at once.
     assert figures['delays'] == pytest.approx([0.1, 0.3, 0.0])
@@ -65,9 +70,26 @@ def test_delays_count_from_motion_and_only_after_the_change():
                                         'delay_median': pytest.approx(math.nan, nan_ok=True)}
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
     page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
-    assert '| bayes | 4 | 1 | 1 | 0.10 |' in page and 'Not measured here' not in page
+    assert '| bayes | 4 | 1 | 0 | 1 | 0 | 0.10 |' in page and 'Not measured here' not in page
+    # Errors 30 and 90 g after half an hour, std 20 g.
+    assert '| bayes | 2 | 2.0 | 50.00 | 67 | 50 |' in page
     page = to_markdown(change_blocks({'methods': {'bayes': figures}, 'left_out': ['gp_bayes']}))
     assert 'Not measured here: `gp_bayes`;' in page
+
+
+def test_a_change_counts_as_seen_only_where_its_load_is_found():
+    """A change that is taken back to the old load is none that was seen."""
+    results = {'change_a': seen('pick', 5.0, 6.0, 6.1, 7.2, off=5.0),
+               'change_b': seen('slip', 5.0, 6.0, 6.1, place=0.02),
+               'change_c': seen('pick', 5.0, 6.0, 6.2, 6.4, 6.9, off=0.24, place=0.0029),
+               'change_d': seen('exchange', 5.0, 6.0, off=5.0)}
+    figures = change_scores.change_scores(results)['methods']['bayes']
+    assert (figures['missed'], figures['wrong'], figures['extra']) == (3, 2, 3)
+    assert figures['delays'] == pytest.approx([0.2])
+    # Where nothing is held there is no place to be wrong about.
+    empty = {**seen('drop', 5.0, 6.0, 6.1, place=0.3), 'load': [0.0] * 10}
+    empty['end'] = {'bayes': [[0.1, 0.3, *[0.0] * 8], [0.1, *[1e-3] * 9]]}
+    assert change_scores.found_load('bayes', empty)
 
 
 def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
@@ -92,9 +114,12 @@ def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
     assert found['at'] <= found['moved'] < 6.0
     (stamps,) = found['seen'].values()
     assert stamps and found['at'] <= stamps[0] < found['moved'] + 2.0
+    assert change_scores.found_load('bayes', found)
     quiet = changes.measure_job('running', 'ur10e', plant, seeds.DEVELOPMENT_CASES[701], 4.0,
                                 None, ('bayes',))
     assert quiet['changes'] == {'bayes': 0} and quiet['samples'] > 150
+    error, std = quiet['end']['bayes']
+    assert abs(error) < 4.0 * std < 4.0
 
 
 # Measured recordings.

@@ -13,7 +13,8 @@ from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
 from .arms import ARMS, friction_told, urdf_of, write_arm
-from .changes import change_jobs, change_scores, measure_job
+from .change_scores import change_scores
+from .changes import change_jobs, measure_job
 from .contestants import chosen_methods, DEFAULT
 from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
