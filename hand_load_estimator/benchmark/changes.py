@@ -57,14 +57,14 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
     before, after, at = draw_change(robot, seed, kind)
     rng = np.random.default_rng([seed, 12])
     motion = named_motion('pick_place', robot, DURATION, rng.uniform(0.5, 1.0), seed)
-    events = simulate_motion(
+    events = list(simulate_motion(
         robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=plant,
         run=seed, start_temperature=rng.uniform(15.0, 50.0), load=before,
-        load_changes=[(at, after)])
+        load_changes=[(at, after)]))
     samples = list(stream_samples(robot, events))
     racing = our_contestants(model, chosen_methods(methods), learned)
     told = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
-    moved = motion_start(robot, [s for s in samples if s.stamp >= at])
+    moved = motion_start(robot, [e for e in events if e.stamp >= at])
     return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved,
             'load': after.to_message().tolist(), 'rated': robot.rated_load.mass,
             'seen': {name: stamps for name, (stamps, _) in told.items()},

@@ -14,7 +14,7 @@ from ..learning.learn_difference import learn_difference
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
-from .cases import case_samples, identification_evidence, motion_start
+from .cases import case_run, identification_evidence
 from .contestants import chosen_methods, contestants, cost_of, DEFAULT, REGRESSOR, RegressorClock
 from .offline import offline_beliefs
 from .rivals import COULOMB_VISCOUS
@@ -60,8 +60,8 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
 
     methods: names of ours (None: all); rivals: names of offline ones.
     """
-    samples = case_samples(robot, case)
-    start = motion_start(robot, samples)
+    run = case_run(robot, case)
+    samples, start = run.samples, run.start
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
     racing = contestants(robot, models, chosen_methods(methods), learned)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}

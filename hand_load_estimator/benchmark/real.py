@@ -82,7 +82,7 @@ def _racing(models, methods):
 def _beliefs(robot, models, recording, methods):
     """Return {method: [[mass, std] or None at each of MOMENTS]} along a recording."""
     samples = [s for s in motion_samples(JointStream(robot), recording) if not s.fresh]
-    start, racing = motion_start(robot, samples), _racing(models, methods)
+    start, racing = motion_start(robot, recording.samples), _racing(models, methods)
     out, due = {name: [None] * len(MOMENTS) for name in racing}, list(enumerate(TIMES))
     if start is None:
         return out
