@@ -24,9 +24,11 @@ def case(plant, offs, std=1.0, bound=0.5):
     return out
 
 
-def content(results):
+def content(results, counts=(2000, 50)):
+    """Return a suite's content as if so many (cases, plants) had given these figures."""
     scores = score(results, 12.5)
-    return {'scores': scores, 'overview': overview(results), 'network': network_shares(scores)}
+    return {'scores': scores, 'network': network_shares(scores),
+            'overview': {**overview(results), **dict(zip(('scored', 'plants'), counts))}}
 
 
 def judged(contents):
@@ -76,11 +78,37 @@ def test_coverage_counts_from_2000_cases_and_40_plants():
     goal = 'coverage of 95 % intervals, every parameter and time'
     # 95 of 100 inside.
     some = [case(k % 40, (9.0 if k % 100 < 5 else 0.0,) * 5) for k in range(200)]
-    measured, reached = judged({'base': content(some)})[goal]
-    assert measured.startswith('95.0 to 95.0 %') and 'too few' in measured and reached is False
-    counted = content(some)
-    counted['overview'].update(scored=2000, plants=40)
-    assert judged({'base': counted})[goal][1] is True
+    for counts in ((1999, 40), (2000, 39)):
+        measured, reached = judged({'base': content(some, counts)})[goal]
+        assert measured.startswith('95.0 to 95.0 %') and 'too few' in measured
+        assert reached is False
+    assert judged({'base': content(some, (2000, 40))})[goal] == (
+        '95.0 to 95.0 % (2000 cases, 40 plants)', True)
+
+
+def test_no_goal_is_reached_with_fewer_cases_than_its_suite_has():
+    """Good figures of few cases are told and reach nothing; hours are counted apart."""
+    perfect = [case(k, (0.0001, 0.01, 1.0, 1.0, 1.0)) for k in range(3)]
+    changes = {'methods': {'lstm': {
+        'changes': 4, 'missed': 0, 'wrong': 0, 'too_early': 0, 'extra': 0, 'delay_median': 0.1,
+        'delay_p95': 0.15, 'false_alarms': 0, 'hours': 10.0}}}
+
+    def all_judged(counts, own):
+        runs = {name: content(perfect, counts) for name in ('base', 'undeclared', 'cold', 'warm')}
+        runs['inertia'] = {**content(perfect, counts), 'inertia': {
+            'lstm': {'due': 9, 'declared': 1.0, 'median_error': 1.0}}}
+        found = judged({**runs, 'changes': {**changes, 'overview': {
+            'scored': own[0], 'plants': own[1]}}})
+        assert found.pop('false load changes while running from cold') == ('0 in 10.0 h', True)
+        return [row for row in found.values() if row[1] is not None]
+
+    few = all_judged((39, 25), (39, 10))
+    assert len(few) == 17
+    assert all(reached is False and 'too few to count' in told for told, reached in few)
+    many = all_judged((2000, 50), (40, 10))
+    assert len(many) == len(few)
+    assert not any('too few' in told for told, _ in many)
+    assert sum(reached for _, reached in many) > 10
 
 
 def test_cold_is_over_warm_at_the_worst_time():
@@ -94,7 +122,8 @@ def test_cold_is_over_warm_at_the_worst_time():
 
 def test_of_several_runs_the_largest_that_measured_a_goal_counts():
     """Many cases of the default alone, few of all methods: the network's share is of the few."""
-    few = {'suite': 'base', **content([case(k, (0.01, 0.02, 0.1, 0.1, 0.1)) for k in range(2)])}
+    few = {'suite': 'base', **content([case(k, (0.01, 0.02, 0.1, 0.1, 0.1)) for k in range(2)],
+                                      (200, 25))}
     many = {'suite': 'base', **content([case(k, (0.004, 0.1, 0.1, 0.1, 0.1)) for k in range(4)]),
             'network': []}
     rows = {row.goal: row for row in goals.goal_rows([('base', few), ('base-2000-lstm', many)])}
@@ -142,7 +171,8 @@ def test_offline_rivals_are_scored_beside_ours_on_their_cases():
 
 
 def test_changes_and_soak_are_judged():
-    changes = {'methods': {'lstm': {'changes': 8, 'missed': 1, 'delay_median': 0.1,
+    changes = {'overview': {'scored': 40, 'plants': 10},
+               'methods': {'lstm': {'changes': 8, 'missed': 1, 'delay_median': 0.1,
                                     'delay_p95': 0.15, 'false_alarms': 0, 'hours': 10.0,
                                     'wrong': 1, 'too_early': 0, 'extra': 2}}}
     soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,

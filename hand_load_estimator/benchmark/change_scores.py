@@ -12,7 +12,7 @@ SIGMAS, MASS_SHARE, DISTANCE = 3.0, 0.02, 0.003
 
 def change_scores(results):
     """
-    Return {'methods': {name: figures}} of results by label.
+    Return {'overview': counts, 'methods': {name: figures}} of results by label.
 
     changes; missed (not seen until the end of the run, or seen and the load at the end is another
     one: wrong counts these); too_early (runs in which one was seen before it happened); extra
@@ -22,10 +22,12 @@ def change_scores(results):
     """
     changed = [r for label, r in results.items() if label.startswith('change_')]
     running = [r for label, r in results.items() if label.startswith('running_')]
+    counts = {'cases': len(changed), 'plants': len({r['plant'] for r in changed})}
     changed = [r for r in changed if r['moved'] is not None]
     names = {name for r in changed for name in r['seen']} \
         | {name for r in running for name in r['changes']}
-    return {'methods': {name: {**_of_changes(name, changed), **_of_running(name, running)}
+    return {'overview': {**counts, 'scored': len(changed)},
+            'methods': {name: {**_of_changes(name, changed), **_of_running(name, running)}
                         for name in sorted(names)}}
 
 

@@ -15,6 +15,7 @@ from .contestants import chosen_methods, our_contestants
 from .suites import CASES_PER_PLANT
 
 KINDS = ('pick', 'exchange', 'drop', 'slip')
+CHANGES = 40              # unless told
 DURATION = 14.0           # [s] of a run with a change
 CHANGE_AT = (5.0, 8.0)    # [s] from its start
 # A slip that counts: mass times shift [kg m], for a rated load of 12.5 kg.

@@ -14,7 +14,7 @@ from ..robot import load_robot
 from ..shared_files import find_shared
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores
-from .changes import change_jobs, measure_job
+from .changes import change_jobs, CHANGES, measure_job
 from .contestants import chosen_methods, DEFAULT
 from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
@@ -177,7 +177,7 @@ def _other(name, robot_path, options, raw, write):
     # Without a torque difference learned for the model of each plant or recording.
     left_out = [m for m in chosen_methods(options.methods) if m in ON_DIFFERENCE]
     if name == 'changes':
-        jobs = change_jobs(str(robot_path), options.cases or 40,
+        jobs = change_jobs(str(robot_path), options.cases or CHANGES,
                            10.0 if options.hours is None else options.hours, options.learned,
                            options.methods, options.development)
         found = _some(measure_all(measure_job, jobs, raw, *run), raw)
