@@ -288,7 +288,8 @@ def test_the_clock_starts_with_what_is_measured_and_not_with_the_filter():
 
 
 def test_the_clock_reads_recordings_by_joint_names():
-    robot, q = load_robot(find_shared('ur10e', 'robots')), np.array([0.0, -1.2, 1.5, 0.4, 0.6, 0.3])
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    q = np.array([0.0, -1.2, 1.5, 0.4, 0.6, 0.3])
     names, velocity = tuple(reversed(robot.joints)), 0.06 * np.eye(6)[2]
     rows = [JointSample(stamp, names, q[::-1], v[::-1], np.zeros(6))
             for stamp, v in ((1.0, 0 * velocity), (1.01, velocity))]

@@ -7,6 +7,7 @@ from test_benchmark import result
 from hand_load_estimator.benchmark import goals
 from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture, Table, Text,
                                                     to_html, to_markdown, write_pages)
+from hand_load_estimator.benchmark.hidden_scores import hidden_blocks, hidden_scores
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
                                                   offline_scores, overview, rivals_of, score)
@@ -155,6 +156,28 @@ def test_moments_are_due_where_the_bound_settles_them():
     assert found['median_error'] == pytest.approx(10.0)
     assert inertia_scores([wide(0.01, 0.5)])['lstm']['declared'] == 0.0
     assert inertia_scores([wide(5.0, 0.1)]) == {}
+
+
+def test_undeclared_effects_are_told_one_by_one():
+    """Two effects: one is harmless, the other takes 0.3 kg and every interval of one case."""
+    runs = [{**case(k, (off,) * 5), 'hidden': [effect], 'mismatch': dict.fromkeys(NAMES, share)}
+            for k, (effect, off, share) in enumerate((
+                ('backlash', 0.0, 0.0), ('backlash', 0.01, 0.1), ('base_tilt', 0.3, 0.5),
+                ('base_tilt', -3.0, 1.0)))]
+    found = hidden_scores(runs, 'lstm')
+    assert list(found) == ['backlash', 'base_tilt']
+    tilt = found['base_tilt']
+    assert (tilt['cases'], tilt['plants'], tilt['coverage'], tilt['lowest']) == (2, 2, 0.5, 0.5)
+    assert tilt['mismatch'] == pytest.approx(0.75)
+    assert tilt['mass_rmse']['1 s'] == pytest.approx(np.sqrt((0.3 ** 2 + 3.0 ** 2) / 2.0))
+    # Only the mass leaves its interval: one parameter of ten, at every time.
+    runs[1]['methods']['lstm'] = [[(np.array(row[0]) + np.r_[5.0, np.zeros(9)]).tolist(), row[1]]
+                                  for row in runs[1]['methods']['lstm']]
+    clean = hidden_scores(runs, 'lstm')['backlash']
+    assert (clean['coverage'], clean['lowest']) == (pytest.approx(0.95), 0.5)
+    page = to_markdown(hidden_blocks(found, 'lstm'))
+    assert '| base_tilt | 2 of 2 | 2132 | 2132 | 2132 | 50.0 | 50 | 75.0 |' in page
+    assert hidden_blocks({}, 'lstm') == []
 
 
 def test_offline_rivals_are_scored_beside_ours_on_their_cases():

@@ -21,12 +21,13 @@ from .document import Heading, Text, write_pages
 from .effect_cases import plants_of
 from .execute import measure_all, PROCESSES
 from .goals import goal_rows, goal_table
+from .hidden_scores import hidden_scores
 from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
 from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
                           soak_blocks)
-from .page import suite_blocks
+from .page import leading, suite_blocks
 from .real import measure_set, real_jobs, real_scores
 from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
@@ -154,6 +155,8 @@ def _accuracy(name, robot_path, options, raw, write):
     scores = score(results, robot.rated_load.mass)
     content = {'overview': overview(results), 'scores': scores,
                'inertia': inertia_scores(results) if name == 'inertia' else {},
+               'hidden': (hidden_scores(results, leading(scores)) if name == 'undeclared'
+                          else {}),
                'network': network_shares(scores), 'offline': offline_scores(results),
                'failed': len(jobs) - len(found),
                'fell_back': [m for m in chosen_methods(options.methods) if m not in scores]}

@@ -15,6 +15,8 @@ from .wrist_swing import WRIST_SWING
 # From this many cases on (the default method's coverage) plants are as many as here.
 MANY_PLANTS = 50
 CASES_PER_PLANT = 4
+# Each hidden effect's turn comes so often in the undeclared suite.
+CASES_PER_EFFECT = 4
 UNDECLARED_STRENGTH = 2.0
 # Loads of the inertia suite, for a rated load of 12.5 kg: mass [kg], half axes [m].
 _HEAVY, _WIDE = (6.0, 10.0), (0.15, 0.2)
@@ -79,7 +81,7 @@ SUITES = {
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
                         'joint of the arm can have it so strong, the next one)',
-                        draw_undeclared_case)}
+                        draw_undeclared_case, CASES_PER_EFFECT * len(EFFECTS), 11)}
 
 
 def cases_of(suite, count=None, development=False):

@@ -32,8 +32,9 @@ def add_arguments(parser):
                         help='learned artefact, or the name of a shipped one (default: the one '
                              'shipped for the robot); not for effects')
     parser.add_argument('--cases', default=None, type=int, metavar='N',
-                        help='cases per suite (default: 200 of base, 40 of others); from more '
-                             'than its own on, a suite takes 50 plants')
+                        help='cases per suite (default: 200 of base, 4 per effect of '
+                             'undeclared, 40 of others); from more than its own on, a suite '
+                             'takes 50 plants')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
                         help='methods to measure (default: all)')
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
