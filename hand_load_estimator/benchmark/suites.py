@@ -88,13 +88,16 @@ def cases_of(suite, count=None, development=False):
     """
     Return (plant seed, [case seeds]) of `count` cases of a Suite, plant by plant.
 
-    development: on seeds for looking and choosing instead of the benchmark's.
+    development: on seeds for looking and choosing instead of the benchmark's. More cases than the
+    suite has by itself are on seeds that no smaller run has seen.
     """
     count = suite.count if count is None else count
     many = suite.plants if count <= suite.count else max(suite.plants, MANY_PLANTS)
     plants, own = suite.plant_seeds, suite.case_seeds
     if development:
         plants, own = seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES
+    elif count > suite.count and own == seeds.BENCHMARK_CASES:
+        plants, own = seeds.FINAL_PLANTS, seeds.FINAL_CASES
     # A plant's identification costs as much as several cases: few cases share one.
     many = min(many, -(-count // CASES_PER_PLANT), len(plants))
     each = -(-count // many)

@@ -34,7 +34,7 @@ def add_arguments(parser):
     parser.add_argument('--cases', default=None, type=int, metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
                              'undeclared, 40 of others); from more than its own on, a suite '
-                             'takes 50 plants')
+                             'takes 50 plants, on seeds that smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
                         help='methods to measure (default: all)')
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
