@@ -21,10 +21,10 @@ def _times(scores):
 def _mass_table(scores):
     rows = [[name, *(f'{1e3 * entry["mass"]["rmse"]:.0f}' for entry in entries)]
             for name, entries in scores.items()]
-    leading = leading(scores)
-    ours = scores[leading]
+    name = leading(scores)
+    ours = scores[name]
     rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in ours)])
-    rows.append([f'`{leading}` over the bound', *(
+    rows.append([f'`{name}` over the bound', *(
         f'{e["mass"]["rmse"] / e["bound_mass_rmse"]:.1f}' for e in ours)])
     return Table(['mass RMSE [g] after', *_times(scores)], rows)
 
