@@ -23,6 +23,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.learning import bayesian_network, distilled_network, neural_process
 from hand_load_estimator.load import (LoadParameters, message_from_products, MESSAGE_ORDER,
                                       products_from_shape, products_jacobian_of_shape)
 from hand_load_estimator.model_follower import Prediction
@@ -348,6 +349,8 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
                                                   ('pick_place', 30.0, 8.0)))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))
+    for module in (bayesian_network, distilled_network, neural_process):
+        monkeypatch.setattr(module, 'STEPS', 30)
     robot_path = tmp_path / 'arm.yaml'
     robot_path.write_text(yaml.safe_dump(four_axes().file.content))
     plant, seed = seeds.DEVELOPMENT_PLANTS[90], seeds.DEVELOPMENT_CASES[995]
@@ -369,6 +372,11 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
     assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
+    # E2.6: each function answers for itself.
+    on_functions = [tuple(found['methods'][name][-1][0]) for name in (
+        'gp_bayes', 'gp_bayes_neural_process', 'gp_bayes_distilled',
+        'gp_bayes_bayesian_network')]
+    assert len(set(on_functions)) == 4
     # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
     assert 'lstm' not in found['methods']
 

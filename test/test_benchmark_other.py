@@ -13,13 +13,14 @@ from ros_helpers import ROOT
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, change_scores, changes, cost, real, soak
-from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, NOMINAL,
-                                                       OUR_MODEL, REGRESSOR, TEXTBOOK,
+from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, functions_of,
+                                                       NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK,
                                                        TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
                                                        soak_blocks)
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.learning.difference_artefact import PREDICTORS
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.plant import JointEvent, TemperatureEvent
 from hand_load_estimator.shared_files import find_shared
@@ -196,9 +197,21 @@ def test_a_method_on_a_learned_difference_has_its_cost(monkeypatch):
     assert found['joint_state']['mean'] > 0.0
 
 
+def test_e2_6_every_function_of_the_difference_can_be_chosen_and_is_learned():
+    assert functions_of(('bayes', 'lstm')) == ()
+    assert functions_of(('gp_bayes', 'gp_swarm')) == ('gp',)
+    assert functions_of(('gp_bayes_distilled',)) == ('distilled',)
+    assert functions_of() == tuple(sorted(PREDICTORS))
+    with pytest.raises(ConfigurationError, match='--methods.*gp_bayes_neural_process'):
+        chosen_methods(('gp_bayes_magic',))
+
+
 def test_every_method_has_a_cost_job():
+    """But for functions of the torque difference of which none is shipped."""
     assert set(cost.cost_jobs('ur10e', None, None)) \
-        == {f'cost_{name}' for name in chosen_methods()}
+        == {f'cost_{name}' for name in chosen_methods()} \
+        - {'cost_gp_bayes_neural_process', 'cost_gp_bayes_distilled',
+           'cost_gp_bayes_bayesian_network'}
 
 
 def test_resident_memory_is_seen():

@@ -107,7 +107,8 @@ def cost_blocks(content):
              f'a sample comes every 20 ms however fast joint states do. The node pays {RATE:g} '
              f'joint states and {SAMPLES:g} samples a second: the share of one core is of both, '
              f'without ROS. The unit, {REGRESSOR}, gives the columns of all links; the load\'s '
-             'are the last ten.' + ''.join(f' {sentence}' for sentence in other)),
+             'are the last ten.' + ''.join(f' {sentence}' for sentence in other)
+             + _left_out(content)),
         Table(['per 20 ms sample', 'mean [us]', 'p50 [us]', 'p99 [us]',
                'mean / regressor call', 'p99 / the same', 'share of a core [%]',
                'memory to build [MiB]', 'growth in 13 s [MiB]'], rows)]

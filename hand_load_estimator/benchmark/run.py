@@ -8,14 +8,13 @@ import subprocess
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
-from ..estimators.registry import ON_DIFFERENCE
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores
 from .changes import change_jobs, CHANGES, measure_job
-from .contestants import chosen_methods, DEFAULT
+from .contestants import chosen_methods, DEFAULT, FUNCTION, ON_FUNCTION
 from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
 from .effect_cases import plants_of
@@ -178,7 +177,7 @@ def _other(name, robot_path, options, raw, write):
     """Return content and blocks of a suite that is no accuracy suite."""
     run = (options.workers, options.backend, write)
     # Without a torque difference learned for the model of each plant or recording.
-    left_out = [m for m in chosen_methods(options.methods) if m in ON_DIFFERENCE]
+    left_out = [m for m in chosen_methods(options.methods) if m in FUNCTION]
     if name == 'changes':
         jobs = change_jobs(str(robot_path), options.cases or CHANGES,
                            10.0 if options.hours is None else options.hours, options.learned,
@@ -191,8 +190,9 @@ def _other(name, robot_path, options, raw, write):
         return {**real_scores(found), 'left_out': left_out}, real_blocks
     if name == 'cost':
         jobs = cost_jobs(options.robot, options.learned, options.methods)
-        content = cost_scores(_some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw))
-        return content, cost_blocks
+        found = _some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw)
+        left_out = [m for m in left_out if m in ON_FUNCTION]
+        return {**cost_scores(found), 'left_out': left_out}, cost_blocks
     if name == 'retraining':
         jobs = retraining_jobs(robot_path, plants_of(options.development), options.learned,
                                raw, options.cases)
