@@ -106,7 +106,7 @@ def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
 def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
     """The shipped model on the arm it was identified from."""
     model = read_model(find_shared('ur10e', 'models'))
-    monkeypatch.setattr(changes, '_robot_and_model', lambda *_: (model.robot, model))
+    monkeypatch.setattr(changes, 'robot_and_model', lambda *_: (model.robot, model))
     monkeypatch.setattr(changes, 'DURATION', 6.0)
     monkeypatch.setattr(changes, 'CHANGE_AT', (2.0, 2.5))
     plant = seeds.SHIPPED_MODEL_PLANT

@@ -40,7 +40,8 @@ def draw_change(robot, seed, kind):
 
 
 @lru_cache(maxsize=2)
-def _robot_and_model(robot_path, plant):
+def robot_and_model(robot_path, plant):
+    """Return the Robot of a file and the model identified from a plant seed's recordings."""
     robot = load_robot(robot_path)
     return robot, identify(robot, identification_evidence(robot, plant))
 
@@ -54,7 +55,7 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
     load, None where there is none; the load (10,) held at the end, the rated mass [kg], and what
     each method says at the end.
     """
-    robot, model = _robot_and_model(robot_path, plant)
+    robot, model = robot_and_model(robot_path, plant)
     before, after, at = draw_change(robot, seed, kind)
     rng = np.random.default_rng([seed, 12])
     motion = named_motion('pick_place', robot, DURATION, rng.uniform(0.5, 1.0), seed)
@@ -90,7 +91,7 @@ def measure_running(robot_path, plant, seed, seconds, learned, methods):
 
     'end': {method: [error, std]} of the mass [kg] after all that time.
     """
-    robot, model = _robot_and_model(robot_path, plant)
+    robot, model = robot_and_model(robot_path, plant)
     load = draw_load(robot, np.random.default_rng([seed, 13]))
     motion = named_motion('pick_place', robot, seconds, 1.0, seed)
     events = simulate_motion(

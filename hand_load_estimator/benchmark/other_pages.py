@@ -20,7 +20,7 @@ def _grams(value):
     return f'{1e3 * value:.0f}' if np.isfinite(value) else '-'
 
 
-def _left_out(content):
+def left_out_told(content):
     """Return what to say of methods that took no part."""
     names = ', '.join(f'`{name}`' for name in content.get('left_out', ()))
     return f' Not measured here: {names}; each model would need its own training.' if names else ''
@@ -43,7 +43,7 @@ def change_blocks(content):
              'carries the load after the change. A change is missed where it was never seen, or '
              'where the estimate at the end is of another load: mass and, from 2 kg on, centre of '
              'mass neither within three standard deviations nor within 2 % of the rated mass '
-             'and 3 mm.' + _left_out(content)),
+             'and 3 mm.' + left_out_told(content)),
         Table(['method', 'changes', 'missed', 'of these seen, wrong at the end', 'seen before',
                'counted again', 'delay, median [s]', '95th percentile [s]'], rows),
         Text('False alarms: changes seen while one load stayed through runs of half an hour, each '
@@ -80,7 +80,7 @@ def real_blocks(content):
         Text('Every set has its own model, identified from its training runs with the load those '
              'state (none for most); the error is the estimate at the end of a test run less that '
              'mass. It should be zero. Set kr300 holds about 150 kg, known only from gravity; the '
-             'load of run load_2600 is known by the file name only.' + _left_out(content)),
+             'load of run load_2600 is known by the file name only.' + left_out_told(content)),
         Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
                'inside the 95 % interval [%]'], figures),
         Table([f'mass error {REAL_MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]
@@ -108,7 +108,7 @@ def cost_blocks(content):
              f'joint states and {SAMPLES:g} samples a second: the share of one core is of both, '
              f'without ROS. The unit, {REGRESSOR}, gives the columns of all links; the load\'s '
              'are the last ten.' + ''.join(f' {sentence}' for sentence in other)
-             + _left_out(content)),
+             + left_out_told(content)),
         Table(['per 20 ms sample', 'mean [us]', 'p50 [us]', 'p99 [us]',
                'mean / regressor call', 'p99 / the same', 'share of a core [%]',
                'memory to build [MiB]', 'growth in 13 s [MiB]'], rows)]

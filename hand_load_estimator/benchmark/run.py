@@ -11,6 +11,7 @@ from ..estimators.build import shipped_artefact
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
+from . import pushes, suggestion
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores
 from .changes import change_jobs, CHANGES, measure_job
@@ -37,7 +38,7 @@ from .suites import cases_of, SUITES
 SCHEMA = 'hand_load/benchmark/1'
 # Suites that are no accuracy suite on one simulated arm.
 ARM_SUITES = tuple(f'arms-{name}' for name in ARMS)
-OTHERS = ('changes', 'real', 'cost', 'soak', 'retraining')
+OTHERS = ('changes', 'suggestion', 'pushes', 'real', 'cost', 'soak', 'retraining')
 # `all` is everything the goals need; `development` is for looking, `effects` and `retraining`
 # judge diagnosis and what follows from it.
 ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES,
@@ -184,6 +185,18 @@ def _other(name, robot_path, options, raw, write):
                            options.methods, options.development)
         found = _some(measure_all(measure_job, jobs, raw, *run), raw)
         return {**change_scores(found), 'left_out': left_out}, change_blocks
+    if name == 'suggestion':
+        method = chosen_methods(options.methods)[0]
+        jobs = suggestion.suggestion_jobs(
+            str(robot_path), options.cases or suggestion.CASES, method, options.learned,
+            options.development)
+        found = _some(measure_all(suggestion.measure_suggestion, jobs, raw, *run), raw)
+        return suggestion.suggestion_scores(found, method), suggestion.suggestion_blocks
+    if name == 'pushes':
+        jobs = pushes.push_jobs(str(robot_path), options.cases or pushes.CASES, options.learned,
+                                options.methods, options.development)
+        found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
+        return {**pushes.push_scores(found), 'left_out': left_out}, pushes.push_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods)
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)

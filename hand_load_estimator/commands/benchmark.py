@@ -22,8 +22,9 @@ def add_arguments(parser):
                              'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
-                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
-                             'cost, soak, retraining (the artefact beside a better '
+                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, '
+                             'suggestion (following suggested motions), pushes (on the hand), '
+                             'real, cost, soak, retraining (the artefact beside a better '
                              'model), or several of them with commas; all (but for retraining); or effects '
                              '(diagnosis of undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
@@ -33,7 +34,7 @@ def add_arguments(parser):
                              'shipped for the robot); not for effects')
     parser.add_argument('--cases', default=None, type=int, metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
-                             'undeclared, 40 of others); from '
+                             'undeclared, 12 of suggestion, 8 of pushes, 40 of others); from '
                              'more than its own on, an accuracy suite takes 50 plants, on '
                              'seeds that smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
