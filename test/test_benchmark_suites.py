@@ -104,6 +104,15 @@ def test_undeclared_effects_take_turns_at_strength_two():
     assert drawn == set(EFFECTS) - {'load_change'}
 
 
+def test_every_effect_has_four_cases_on_four_plants():
+    plants = {}
+    for plant, part in cases_of(SUITES['undeclared']):
+        for seed in part:
+            plants.setdefault(seed % len(EFFECTS), []).append(plant)
+    assert len(plants) == len(EFFECTS)
+    assert all(len(own) == len(set(own)) == 4 for own in plants.values())
+
+
 def test_where_no_joint_can_have_an_effect_the_next_one_is_hidden(monkeypatch):
     robot, names = four_axes(), list(UNDECLARED)
     seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')

@@ -15,6 +15,8 @@ from .wrist_swing import WRIST_SWING
 # From this many cases on (the default method's coverage) plants are as many as here.
 MANY_PLANTS = 50
 CASES_PER_PLANT = 4
+# Each hidden effect's turn comes so often in the undeclared suite.
+CASES_PER_EFFECT = 4
 UNDECLARED_STRENGTH = 2.0
 # With another load in the hand than a case says, the case would be wrong and not the method.
 UNDECLARED = [name for name in EFFECTS if name != LOAD_CHANGE]
@@ -81,20 +83,23 @@ SUITES = {
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
                         'joint of the arm can have it so strong, the next one)',
-                        draw_undeclared_case)}
+                        draw_undeclared_case, CASES_PER_EFFECT * len(EFFECTS), 11)}
 
 
 def cases_of(suite, count=None, development=False):
     """
     Return (plant seed, [case seeds]) of `count` cases of a Suite, plant by plant.
 
-    development: on seeds for looking and choosing instead of the benchmark's.
+    development: on seeds for looking and choosing instead of the benchmark's. More cases than the
+    suite has by itself are on seeds that no smaller run has seen.
     """
     count = suite.count if count is None else count
     many = suite.plants if count <= suite.count else max(suite.plants, MANY_PLANTS)
     plants, own = suite.plant_seeds, suite.case_seeds
     if development:
         plants, own = seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES
+    elif count > suite.count and own == seeds.BENCHMARK_CASES:
+        plants, own = seeds.FINAL_PLANTS, seeds.FINAL_CASES
     # A plant's identification costs as much as several cases: few cases share one.
     many = min(many, -(-count // CASES_PER_PLANT), len(plants))
     each = -(-count // many)
