@@ -12,8 +12,8 @@ import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.residual.confusable import NO_MOTION
-from hand_load_estimator.residual.diagnosis import (CONFIRMED, SUSPECTED, UNKNOWN, Diagnosis,
-                                                    Evidence, FineTuning, Finding, LoadError,
+from hand_load_estimator.residual.diagnosis import (Alternative, CONFIRMED, SUSPECTED, UNKNOWN,
+                                                    Diagnosis, Evidence, FineTuning, Finding, LoadError,
                                                     Picture)
 
 JOINTS = ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
@@ -52,8 +52,9 @@ def spring():
     return Finding(
         'gravity_spring', joints, parameters, np.array([0.0, 0.46, 0.0, 0.31, 0.0, 0.0]),
         Evidence(84.0, 19.0, 11.2, 18, 143, 4.1, 'cable_drag', 12.5),
-        ('link_inertia', 'cable_drag'), 'turn shoulder_lift_joint by a full turn, slowly.', True,
-        SUSPECTED, pictures)
+        (Alternative('link_inertia', joints, 2.5, 4.0),
+         Alternative('cable_drag', joints[:1], 12.5, 9.0)), 
+        'turn shoulder_lift_joint by a full turn, slowly.', True, SUSPECTED, pictures)
 
 
 def unknown():
@@ -141,7 +142,10 @@ def test_json_has_the_keys_of_the_contract():
     assert effect['explained'] == [0.0, 0.0, 0.71, 0.0, 0.0, 0.0]
     assert effect['evidence']['next_best'] == 'cable_drag'
     assert effect['verdict'] == 'confirmed'
-    assert content['effects'][1]['alternatives'] == ['link_inertia', 'cable_drag']
+    assert content['effects'][1]['alternatives'] == [
+        {'effect': 'link_inertia', 'joints': ['shoulder_lift_joint', 'wrist_1_joint'],
+         'behind': 2.5, 'std': 4.0},
+        {'effect': 'cable_drag', 'joints': ['shoulder_lift_joint'], 'behind': 12.5, 'std': 9.0}]
     assert content['load_error'] == {
         'before': {'mass_rmse': 0.412, 'com_rmse': 0.0141, 'n': 12},
         'after': {'mass_rmse': 0.122, 'com_rmse': 0.0062, 'n': 12}}
@@ -227,7 +231,8 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
     'mass [kg]0.4120.122', 'centre of mass [mm]14.16.20',
     '1412 ± 192 nats', 'Needed: 11.2 nats, with 143 hypotheses tried',
     'Next best explanation: cable drag, 655 nats behind',
-    'cannot tell it from link inertia and cable drag', 'by a full turn, slowly.',
+    'cannot tell it from link inertia (2.50 ± 8.00 nats behind) and cable drag of '
+    'shoulder_lift_joint (12.5 ± 18.0 nats behind).', 'by a full turn, slowly.',
     'had this effect already', 'depends on velocity.',
     'amplitude2.710 ± 0.062 Nm', '0.820 ± 0.024 rad (47.0 ± 1.4°)',
     '0.06280 rad (3.598°), no interval',
@@ -291,8 +296,8 @@ def test_names_are_text_not_markup():
     evil = '<b>$x_{</b>&'
     finding = dataclasses.replace(
         ripple(), joints=(evil,), parameters={evil: (1.0, 0.1, evil)}, advice=evil,
-        alternatives=(evil,), explained=np.ones(1), pictures=(dataclasses.replace(
-            ripple().pictures[0], joint=evil, variable=evil),))
+        alternatives=(Alternative(evil, (evil, evil), 1.0, 1.0),), explained=np.ones(1),
+        pictures=(dataclasses.replace(ripple().pictures[0], joint=evil, variable=evil),))
     diagnosis = dataclasses.replace(
         found(), robot=evil, joints=(evil,), findings=(finding,), tested_on=evil,
         recordings=(evil,), cannot_tell=(evil,), remains=(evil,), before=np.ones(1),

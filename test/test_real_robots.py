@@ -144,7 +144,9 @@ def report_of(effects, cannot_tell=()):
 
 
 def effect(name, joints, verdict='confirmed', alternatives=()):
-    return {'name': name, 'joints': joints, 'verdict': verdict, 'alternatives': alternatives}
+    return {'name': name, 'joints': joints, 'verdict': verdict,
+            'alternatives': [{'effect': other, 'joints': joints, 'behind': 1.0, 'std': 1.0}
+                             for other in alternatives]}
 
 
 def test_the_table_names_effects_at_their_joints():

@@ -7,6 +7,7 @@ from core_helpers import four_axes
 import numpy as np
 from plant_helpers import ur10e
 import pytest
+from test_known_recordings import on_disk
 from test_residual_trace import (cable, clean_runs, declared_model, noise_of, on, recorded, ripple,
                                  viscous)
 
@@ -15,6 +16,7 @@ from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.blocks import Blocks
+from hand_load_estimator.residual.candidate import Candidate
 from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, partners,
                                                      same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
@@ -25,7 +27,6 @@ from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effec
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
                                                  too_little_gained, warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
-from hand_load_estimator.residual.trace import Candidate
 from hand_load_estimator.residual.unknown import rhythm
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import effect_slices
@@ -285,7 +286,8 @@ def step_of(name, joint, shape=None, alternatives=()):
     """Return a Step that says an effect was found."""
     hypothesis = Hypothesis(name, joint, {}, np.ones(1), shape or {})
     return SimpleNamespace(chosen=SimpleNamespace(parts=((hypothesis, None),)),
-                           alternatives=alternatives)
+                           alternatives=[SimpleNamespace(name=other, joints=[place])
+                                         for other, place in alternatives])
 
 
 def parameter(model, name, joint):
@@ -317,7 +319,7 @@ def test_new_recordings_leave_what_is_known_and_fill_in_what_is_new():
     mean, std = parameter(found, 'torque_ripple', 2)
     assert mean == pytest.approx(size * np.cos(0.5), abs=4.0 * std + 0.02 * size)
     assert parameter(found, 'torque_ripple', 1) is None
-    assert found.recordings == (*model.recordings, 'run 0', 'run 1', 'run 2', 'run 3')
+    assert found.recording_names == [*model.recording_names, 'run 0', 'run 1', 'run 2', 'run 3']
 
 
 def test_what_was_found_changed_is_free_again():
@@ -328,8 +330,9 @@ def test_what_was_found_changed_is_free_again():
     assert abs(mean - truth) < 4.0 * std + 0.01 * truth and std < 0.05 * truth
 
 
-@pytest.mark.parametrize('alternatives, free', [((), False), (('coulomb_friction',), True),
-                                                (('rotor_inertia',), False)])
+@pytest.mark.parametrize('alternatives, free', [
+    ((), False), ((('coulomb_friction', 0),), True), ((('coulomb_friction', 1),), False),
+    ((('rotor_inertia', 0),), False)])
 def test_what_may_have_changed_instead_is_free_too(alternatives, free):
     """Nothing told friction of a loaded gear from Coulomb's: the fit of everything may."""
     model, evidence = wrong(), recorded()
@@ -342,8 +345,8 @@ def test_what_may_have_changed_instead_is_free_too(alternatives, free):
 
 def test_its_own_recordings_are_not_counted_twice():
     """From the recordings it was made of, all is estimated anew, with the robot file's prior."""
-    evidence = recorded(on(2, 2.0, ripple))
-    model = replace(wrong(), recordings=tuple(e.name for e in evidence))
+    evidence = on_disk(recorded(on(2, 2.0, ripple)))
+    model = replace(wrong(), recordings=tuple(e.mark for e in evidence))
     found = better_model(model, [step_of('torque_ripple', 2, {'periods': 23.4})], evidence)
     truth, _ = parameter(declared_model(), 'coulomb_friction', 0)
     mean, std = parameter(found, 'coulomb_friction', 0)

@@ -9,11 +9,13 @@ from test_identification import waves
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.recording_mark import RecordingMark
+from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import Hypothesis
-from hand_load_estimator.residual.trace import Candidate, significant, Trace
+from hand_load_estimator.residual.trace import Trace
 from hand_load_estimator.torque_columns import (ColumnLayout, motion_input, presliding_distances,
                                                 play_columns, torque_columns)
 from hand_load_estimator.torque_model import Residuals, TorqueModel
@@ -32,7 +34,8 @@ def declared_model(doubt=0.01, names=None):
     std[:10 * robot.n] = 0.0
     noise = noise_of(robot)
     return TorqueModel(robot, uses, False, mean, np.diag(std ** 2), Residuals(
-        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('identified from',), (15.0, 35.0))
+        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), (RecordingMark('made up'),),
+        (15.0, 35.0))
 
 
 def noise_of(robot):
@@ -164,7 +167,8 @@ def assert_only(diagnosis, name, joints, alternatives=()):
     found = diagnosis.findings[0]
     robot = declared_model().robot
     assert found.joints == tuple(robot.joints[j] for j in joints)
-    assert found.verdict == CONFIRMED and set(alternatives) <= set(found.alternatives)
+    assert found.verdict == CONFIRMED
+    assert set(alternatives) <= {other.name for other in found.alternatives}
     assert found.evidence.gain > found.evidence.needed > 8.0
     return found
 
@@ -219,7 +223,7 @@ def test_a_cable_is_found():
     diagnosis, _ = diagnosed(on(1, 2.0, cable))
     found = assert_only(diagnosis, 'cable_drag', [1])
     # A spring is not excluded by a motion over less than a turn: the motion that would is told.
-    if 'gravity_spring' in found.alternatives:
+    if 'gravity_spring' in [other.name for other in found.alternatives]:
         assert 'whole turn' in found.advice
     assert_repaired(diagnosis, 1)
 
@@ -305,10 +309,11 @@ def test_a_change_that_the_model_expects_is_no_finding(doubt, expected):
     assert [f.name for f in diagnosis.findings] == expected
 
 
-def candidate(name, gain):
-    """Return a Candidate of joint 0 that gains so many nats in all of ten blocks."""
+def candidate(name, gain, spread=0.0):
+    """Return a Candidate of joint 0: nats of gain in ten blocks, by turns so much more or less."""
     hypothesis = Hypothesis(name, 0, {0: np.ones((4, 1))}, np.ones(1))
-    return Candidate(name, ((hypothesis, None),), gain, 0.0, np.full(10, gain / 10.0))
+    by_block = gain / 10.0 + spread * np.array([1.0, -1.0] * 5)
+    return Candidate(name, ((hypothesis, None),), gain, standard_error(by_block), by_block)
 
 
 @pytest.mark.parametrize('gain, rival', [(5.0, 'viscous_friction'), (-5.0, None)])
@@ -317,6 +322,24 @@ def test_what_gains_nothing_is_no_rival(gain, rival):
     step = Trace._step(None, best, [best, other], 30.0)
     assert step.chosen is best and step.alternatives == ()
     assert (step.next_best and step.next_best.name) == rival
+
+
+@pytest.mark.parametrize('other', ['cable_drag', 'rotor_inertia'])
+@pytest.mark.parametrize('gain, spread, told', [
+    (1900.0, 5.0, True), (1900.0, 20.0, False), (840.0, 20.0, True), (1990.0, 0.0, True)])
+def test_an_alternative_is_what_blocks_cannot_tell(other, gain, spread, told):
+    """A known pair as any other: what falls behind in every block is told, however little."""
+    best = candidate('gravity_spring', 2000.0)
+    rival = candidate(other, gain, spread)
+    step = Trace._step(None, best, [best, rival], 30.0)
+    assert step.chosen is best and step.alternatives == (() if told else (rival,))
+
+
+def test_what_gains_no_more_than_chance_is_no_alternative():
+    best, rival = candidate('gravity_spring', 200.0, -12.0), candidate('cable_drag', 130.0, 12.0)
+    weak = candidate('torque_offset', 60.0, 40.0)
+    step = Trace._step(None, best, [best, rival, weak], 30.0)
+    assert step.alternatives == (rival,)
 
 
 # What the result promises.

@@ -26,12 +26,19 @@ def _evidence(evidence):
             'next_best': evidence.next_best, 'margin': _number(evidence.margin)}
 
 
+def alternatives_content(finding):
+    """Return the alternatives of a Finding as plain JSON values; behind, std [nats]."""
+    return [{'effect': other.name, 'joints': list(other.joints), 'behind': _number(other.behind),
+             'std': _number(other.std)} for other in finding.alternatives]
+
+
 def _effect(finding):
     return {'name': finding.name, 'joints': list(finding.joints),
             'parameters': _parameters(finding.parameters),
             'explained': _numbers(finding.explained),
             'evidence': _evidence(finding.evidence),
-            'alternatives': list(finding.alternatives), 'verdict': finding.verdict,
+            'alternatives': alternatives_content(finding),
+            'verdict': finding.verdict,
             'advice': finding.advice, 'changed': bool(finding.changed),
             'variables': list(finding.variables), 'recording': finding.recording or None}
 
@@ -103,6 +110,8 @@ def diagnosis_content(diagnosis):
         'unexplained': _numbers(diagnosis.unexplained), **_load_error(diagnosis),
         'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
         'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
+        'test_seen_by_model': list(diagnosis.seen), 'refitted': diagnosis.refitted,
+        'test_left_out_seconds': _number(diagnosis.left_out),
         'correction': None if diagnosis.correction is None else {
             'model': 'model_with_correction.yaml',
             'torque_rmse': _numbers(diagnosis.correction.after)},

@@ -126,9 +126,19 @@ def _doubt(finding):
     """Return what these recordings cannot tell from the finding, and the motion that would."""
     if not finding.alternatives and not finding.advice:
         return ''
-    names = escape(list_text(map(name_words, finding.alternatives)))
-    text = f'These recordings cannot tell it from <strong>{names}</strong>. ' if names else ''
+    names = list_text(_other_html(other, finding) for other in finding.alternatives)
+    text = f'These recordings cannot tell it from {names}. ' if names else ''
     return f'<p class="note">{text}{_advice(finding)}</p>'
+
+
+def _other_html(other, finding):
+    """Return an Alternative with what is not as in the finding: its joints, and its gain."""
+    text = f'<strong>{escape(name_words(other.name))}</strong>'
+    if set(other.joints) != set(finding.joints):
+        text += f' of {list_text(map(label_html, other.joints))}'
+    if not math.isfinite(other.std):
+        return text
+    return f'{text} ({number_text(other.behind)} ± {number_text(2.0 * other.std)} nats behind)'
 
 
 def _advice(finding):

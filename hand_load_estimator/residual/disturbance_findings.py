@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import contact, load_change
-from .diagnosis import CONFIRMED, SUSPECTED, Evidence, Finding, Picture
+from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, Picture, SUSPECTED
 from .disturbance import TIE
 
 PARAMETERS = {contact.NAME: contact.contact_parameters,
@@ -40,14 +40,15 @@ def _finding(robot, names, residual, one, odd):
     tied = one.margin is not None and one.margin < TIE
     sure = not set(strong) & set(odd)
     order = strong[np.argsort(-rms[strong])]
+    joints = tuple(robot.joints[j] for j in strong)
     return Finding(
-        kind.name, tuple(robot.joints[j] for j in strong), parameters,
+        kind.name, joints, parameters,
         one.explained,
         # It happens once: there is nothing else to test it on.
         Evidence(one.evidence, np.nan, one.needed, 1, one.tried, float(rms.max()), one.rival,
                  one.margin),
-        (one.rival,) if tied else (), ADVICE[kind.name] if tied else '', False,
-        CONFIRMED if sure else SUSPECTED,
+        (Alternative(one.rival, joints, one.margin, np.nan),) if tied else (),
+        ADVICE[kind.name] if tied else '', False, CONFIRMED if sure else SUSPECTED,
         tuple(_picture(robot, names[one.owner], residual, one, int(j))
               for j in order[:MOST_PICTURES]), recording=names[one.owner])
 

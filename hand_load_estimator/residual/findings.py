@@ -6,10 +6,10 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..load import PRODUCT_ORDER
+from .candidate import ahead, significant
 from .confusable import advice, NO_MOTION, same_torque
-from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
+from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .pictures import picture
-from .trace import significant
 
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
@@ -41,15 +41,26 @@ def _finding(model, better, residual, trace, step, again, others, odd):
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
     sure = significant(again) and (chosen.name == UNKNOWN or main not in odd)
-    joints = range(robot.n) if chosen.name == 'base_tilt' else chosen.joints
     return Finding(
-        chosen.name, tuple(robot.joints[j] for j in joints),
+        chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen), _explained(residual.residual, torque),
-        _evidence(residual, trace, step, again, torque), step.alternatives,
-        separating_motion(residual, chosen, step.alternatives),
+        _evidence(residual, trace, step, again, torque), _alternatives(robot, step),
+        separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
         (chosen.variable,) if chosen.name == UNKNOWN else ())
+
+
+def _joints(robot, candidate):
+    """Return the names of the joints a Candidate stands for; a leaning base is all joints'."""
+    whole = candidate.name in EFFECTS and EFFECTS[candidate.name].whole_arm
+    return tuple(robot.joints[j] for j in (range(robot.n) if whole else candidate.joints))
+
+
+def _alternatives(robot, step):
+    found = [(other, ahead(step.chosen, other)) for other in step.alternatives]
+    return tuple(Alternative(other.name, _joints(robot, other), less.gain, less.std)
+                 for other, less in found)
 
 
 def refuted(findings, joints, before, after):

@@ -7,26 +7,20 @@ number of trials allow, and moves torque that matters. A plain function that exp
 than any effect is taken as `unknown`.
 """
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from .confusable import partners
+from .candidate import alike, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
 from .hypotheses import hypotheses, physical, price, refinable, reshaped
 
 ROUNDS = 10
-# Nats to be gained beyond the logarithm of the number of trials, standard errors, and the
-# effect's torque in units of the model's noise.
-LEAST_GAIN, SIGMAS, LEAST_RMS = 25.0, 3.0, 0.5
+# Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
+# of the model's noise.
+LEAST_GAIN, LEAST_RMS = 25.0, 0.5
 # What one joint must gain to count as showing a cause of the whole arm.
 PART_GAIN = 8.0
-# Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
-# than ACTS nats; there are at least so many of them, and it gains so many nats in all.
-CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
-# Or so many blocks gain PLENTY each, and all that others lose is less than this share of it.
-EACH, LOST = 3, 0.01
 # What has no name must gain so many times more, and move as much torque as the noise.
 UNKNOWN_FACTOR, UNKNOWN_RMS = 4.0, 1.0
 # A declared effect has changed when its torque is so many times what the model expects.
@@ -34,72 +28,8 @@ UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
 # not the explanation.
 ADEQUATE = 0.6
-# Alternatives gain at least this share of the winner's, or belong to a known pair and gain ...
-ALIKE, ALIKE_PAIR = 0.85, 0.4
-# ... and are its equals, of which the simplest is taken, from this share on.
-EQUAL = 0.99
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
 ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """
-    One cause with its evidence: parts (Hypothesis, Score) on one or more joints.
-
-    gain, std, by_block [nats] of all parts together.
-    """
-
-    name: str
-    parts: tuple
-    gain: float
-    std: float
-    by_block: np.ndarray
-
-    @property
-    def joints(self):
-        """Indices of the joints it stands for."""
-        return sorted({h.joint for h, _ in self.parts})
-
-    @property
-    def touched(self):
-        """Indices of all joints it moves."""
-        return sorted({j for h, _ in self.parts for j in h.columns})
-
-    @property
-    def size(self):
-        """Number of parameters."""
-        return sum(len(h.scale) for h, _ in self.parts)
-
-    @property
-    def variable(self):
-        """What an unknown effect is a function of."""
-        return self.parts[0][0].variable
-
-    def torque(self, n):
-        """Return its torque (N, n) [Nm]."""
-        first = next(iter(self.parts[0][0].columns.values()))
-        out = np.zeros((len(first), n))
-        for hypothesis, score in self.parts:
-            for j, columns in hypothesis.columns.items():
-                out[:, j] += columns @ score.theta
-        return out
-
-
-@dataclass(frozen=True)
-class Step:
-    """One accepted Candidate with the alternatives' names, the runner-up, the nats needed."""
-
-    chosen: Candidate
-    alternatives: tuple
-    next_best: Candidate | None
-    needed: float
-
-
-def single(hypothesis, score):
-    """Return the Candidate of one hypothesis."""
-    return Candidate(hypothesis.name, ((hypothesis, score),), score.gain, score.std,
-                     score.by_block)
 
 
 class Trace:
@@ -150,7 +80,7 @@ class Trace:
         blocks = self._blocks_of(other for other in self.steps + self.drifted
                                  if other is not step and other.chosen.name != UNKNOWN)
         parts = tuple((h, blocks.evaluate(h.columns)) for h, _ in step.chosen.parts)
-        return _joined(step.chosen.name, parts)
+        return joined(step.chosen.name, parts)
 
     def _blocks_of(self, steps):
         """Return Blocks with the effects of some steps for nuisances."""
@@ -198,12 +128,11 @@ class Trace:
     def _step(self, best, ranked, needed):
         rivals = [c for c in ranked if c is not best and set(c.touched) & set(best.touched)
                   and c.name != UNKNOWN and (c.name != best.name or c.joints != best.joints)]
-        alike = [c for c in rivals if _alike(best, c)]
         # Of equals, the one that needs the fewest parameters; a pair that nothing tells apart.
-        equal = [c for c in alike if _tied(best, c) and best.name != UNKNOWN]
+        equal = [c for c in rivals if tied(best, c) and best.name != UNKNOWN]
         simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
-        others = [c.name for c in [best, *alike] if c.name not in (simplest.name, UNKNOWN)]
-        return Step(simplest, tuple(dict.fromkeys(others)),
+        others = [best, *(c for c in rivals if alike(best, c))]
+        return Step(simplest, tuple(c for c in others if c.name not in (simplest.name, UNKNOWN)),
                     next((c for c in [best, *rivals] if c is not simplest and c.gain > 0.0),
                          None), needed)
 
@@ -221,7 +150,7 @@ class Trace:
             parts = [pair for pair in scores if pair[0].name == name]
             strong = tuple(pair for pair in parts if self._strong(*pair))
             if strong:
-                named.append(_joined(name, strong))
+                named.append(joined(name, strong))
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
@@ -283,38 +212,3 @@ class Trace:
         self._taken |= {h.key for h, _ in chosen.parts}
         self._scores = {key: pair for key, pair in self._scores.items()
                         if not touched & set(pair[0].columns)}
-
-
-def significant(candidate):
-    """
-    Tell whether a gain is more than chance: by its standard error, or nearly wherever it acts.
-
-    An effect that only warm recordings show, or play that only a few poses cross, gains very
-    unequally and still surely. A gap that is crossed three times gains nothing in all other
-    blocks: its standard error is as large as it is, but each time was foretold from the others.
-    """
-    by_block = candidate.by_block
-    plain = candidate.gain > SIGMAS * candidate.std
-    acting = by_block[np.abs(by_block) > ACTS]
-    nearly_always = len(acting) >= FEWEST and (acting > 0.0).mean() > CONSISTENT
-    rarely = (by_block > PLENTY).sum() >= EACH \
-        and -by_block[by_block < 0.0].sum() < LOST * candidate.gain
-    return bool(plain or (nearly_always and candidate.gain > PLENTY) or rarely)
-
-
-def _joined(name, parts):
-    by_block = sum(score.by_block for _, score in parts)
-    return Candidate(name, parts, float(by_block.sum()),
-                     float(np.sqrt(len(by_block)) * by_block.std()), by_block)
-
-
-def _tied(best, other):
-    """Tell whether held-out blocks do not prefer the better of two candidates."""
-    difference = best.by_block - other.by_block
-    return difference.sum() < 2.0 * np.sqrt(len(difference)) * difference.std() \
-        and other.gain > EQUAL * best.gain
-
-
-def _alike(best, other):
-    pair = other.name in partners(best.name) or best.name == UNKNOWN
-    return other.gain > (ALIKE_PAIR if pair else ALIKE) * best.gain

@@ -18,7 +18,8 @@ def _cell(text):
 
 
 def _named(effect):
-    others = ''.join(f' or `{name}`' for name in effect['alternatives'])
+    names = dict.fromkeys(other['effect'] for other in effect['alternatives'])
+    others = ''.join(f' or `{name}`' for name in names)
     return f'`{effect["name"]}`{others} ({effect["verdict"]})'
 
 

@@ -1,0 +1,130 @@
+"""Candidates for a cause of the residual, and whether held-out blocks tell two of them apart."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Standard errors that a gain, or a difference of two, must be beyond chance.
+SIGMAS = 3.0
+# Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
+# than ACTS nats; there are at least so many of them, and it gains so many nats in all.
+CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
+# Or so many blocks gain PLENTY each, and all that others lose is less than this share of it.
+EACH, LOST = 3, 0.01
+# Of two that nothing tells apart the simpler is taken if it gains at least this share.
+EQUAL = 0.99
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """
+    One cause with its evidence: parts (Hypothesis, Score) on one or more joints.
+
+    gain, std, by_block [nats] of all parts together.
+    """
+
+    name: str
+    parts: tuple
+    gain: float
+    std: float
+    by_block: np.ndarray
+
+    @property
+    def joints(self):
+        """Indices of the joints it stands for."""
+        return sorted({h.joint for h, _ in self.parts})
+
+    @property
+    def touched(self):
+        """Indices of all joints it moves."""
+        return sorted({j for h, _ in self.parts for j in h.columns})
+
+    @property
+    def size(self):
+        """Number of parameters."""
+        return sum(len(h.scale) for h, _ in self.parts)
+
+    @property
+    def variable(self):
+        """What an unknown effect is a function of."""
+        return self.parts[0][0].variable
+
+    def torque(self, n):
+        """Return its torque (N, n) [Nm]."""
+        first = next(iter(self.parts[0][0].columns.values()))
+        out = np.zeros((len(first), n))
+        for hypothesis, score in self.parts:
+            for j, columns in hypothesis.columns.items():
+                out[:, j] += columns @ score.theta
+        return out
+
+
+@dataclass(frozen=True)
+class Step:
+    """
+    One accepted Candidate.
+
+    alternatives: Candidates that the blocks cannot tell from it; next_best: the runner-up;
+    needed [nats].
+    """
+
+    chosen: Candidate
+    alternatives: tuple
+    next_best: Candidate | None
+    needed: float
+
+
+def single(hypothesis, score):
+    """Return the Candidate of one hypothesis."""
+    return Candidate(hypothesis.name, ((hypothesis, score),), score.gain, score.std,
+                     score.by_block)
+
+
+def joined(name, parts):
+    """Return the Candidate of parts (Hypothesis, Score) that have one cause."""
+    by_block = sum(score.by_block for _, score in parts)
+    return Candidate(name, parts, float(by_block.sum()), standard_error(by_block), by_block)
+
+
+def standard_error(by_block):
+    """Return the standard error [nats] of the sum of nats by block (B,)."""
+    return float(np.sqrt(len(by_block)) * by_block.std())
+
+
+def ahead(best, other):
+    """Return a Candidate that gains what the best of two gains more than the other."""
+    by_block = best.by_block - other.by_block
+    return Candidate(best.name, best.parts, float(by_block.sum()), standard_error(by_block),
+                     by_block)
+
+
+def significant(candidate):
+    """
+    Tell whether a gain is more than chance: by its standard error, or nearly wherever it acts.
+
+    An effect that only warm recordings show, or play that only a few poses cross, gains very
+    unequally and still surely. A gap that is crossed three times gains nothing in all other
+    blocks: its standard error is as large as it is, but each time was foretold from the others.
+    """
+    by_block = candidate.by_block
+    plain = candidate.gain > SIGMAS * candidate.std
+    acting = by_block[np.abs(by_block) > ACTS]
+    nearly_always = len(acting) >= FEWEST and (acting > 0.0).mean() > CONSISTENT
+    rarely = (by_block > PLENTY).sum() >= EACH \
+        and -by_block[by_block < 0.0].sum() < LOST * candidate.gain
+    return bool(plain or (nearly_always and candidate.gain > PLENTY) or rarely)
+
+
+def tied(best, other):
+    """Tell whether held-out blocks do not prefer the better of two candidates."""
+    difference = ahead(best, other)
+    return difference.gain < 2.0 * difference.std and other.gain > EQUAL * best.gain
+
+
+def alike(best, other):
+    """
+    Tell whether blocks cannot tell which of two candidates is the cause.
+
+    The lesser of them must be more than chance itself.
+    """
+    return significant(other) and not significant(ahead(best, other))
