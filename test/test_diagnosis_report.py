@@ -233,6 +233,7 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
     'Next best explanation: cable drag, 655 nats behind',
     'cannot tell it from link inertia (2.50 ± 8.00 nats behind) and cable drag of '
     'shoulder_lift_joint (12.5 ± 18.0 nats behind).', 'by a full turn, slowly.',
+    'What is suspected is in the model as well',
     'had this effect already', 'depends on velocity.',
     'amplitude2.710 ± 0.062 Nm', '0.820 ± 0.024 rad (47.0 ± 1.4°)',
     '0.06280 rad (3.598°), no interval',
