@@ -293,6 +293,15 @@ def test_page_says_what_became_of_the_artefact(read):
     assert 'What that did to the load estimate is not known.' in unloaded
 
 
+def test_page_says_where_the_interval_of_a_searched_parameter_comes_from():
+    def words(std):
+        finding = dataclasses.replace(ripple(), parameters={'periods': (63.0, std, '1/turn')})
+        return Reader(diagnosis_page.page(dataclasses.replace(
+            found(), findings=(finding,)))).words()
+    assert 'Interval of periods: from how fast the gain falls' in words(0.01)
+    assert 'Interval of' not in words(np.nan) and 'no interval' in words(np.nan)
+
+
 def test_names_are_text_not_markup():
     evil = '<b>$x_{</b>&'
     finding = dataclasses.replace(

@@ -74,10 +74,13 @@ class Trace:
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
+        return evaluated(step.chosen, self.beside(step))
+
+    def beside(self, step):
+        """Return Blocks with all other steps for nuisances."""
         # A plain function would take the place of any effect of its variable.
-        return evaluated(step.chosen, self._blocks_of(
-            other for other in self.steps + self.drifted
-            if other is not step and other.chosen.name != UNKNOWN))
+        return self._blocks_of(other for other in self.steps + self.drifted
+                               if other is not step and other.chosen.name != UNKNOWN)
 
     def _blocks_of(self, steps):
         """Return Blocks with the effects of some steps for nuisances."""
