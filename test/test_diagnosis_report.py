@@ -12,9 +12,9 @@ import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.residual.confusable import NO_MOTION
-from hand_load_estimator.residual.diagnosis import (Alternative, CONFIRMED, SUSPECTED, UNKNOWN,
-                                                    Diagnosis, Evidence, FineTuning, Finding, LoadError,
-                                                    Picture)
+from hand_load_estimator.residual.diagnosis import (Alternative, CONFIRMED, Diagnosis,
+                                                    Evidence, FineTuning, Finding, LoadError,
+                                                    Picture, SUSPECTED, UNKNOWN)
 
 JOINTS = ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
           'wrist_2_joint', 'wrist_3_joint')

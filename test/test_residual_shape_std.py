@@ -33,7 +33,7 @@ def std_of(name, shape, blocks, residual):
 
 @pytest.mark.parametrize('size', [0.3, 1.0])
 def test_periods_lie_within_their_interval(size):
-    """Of 24 ripples in noise as many as the normal distribution says, the width as their scatter."""
+    """Of 24 ripples in noise as many as a normal distribution has; as wide as they scatter."""
     errors, stds = [], []
     for seed in range(24):
         rows = waving(61.7, size, seed)

@@ -93,9 +93,9 @@ def _searched(finding):
              if shape is not KNEE and shape.name in told]
     if not names:
         return ''
-    return (f'<p class="quiet">Interval of {escape(list_text(names))}: from how fast the gain falls '
-            'around the value, the effect\'s other parameters fitted again, and as far as its formula '
-            'holds.</p>')
+    return (f'<p class="quiet">Interval of {escape(list_text(names))}: from how fast the gain '
+            'falls around the value, the effect\'s other parameters fitted again, and as far as '
+            'its formula holds.</p>')
 
 
 def _pictures(finding):
