@@ -42,9 +42,9 @@ setup(
     license='Apache-2.0',
     description="Estimate the load on a robot's hand, with variance, and use it",
     entry_points={'console_scripts': [
-        'simulator_node = hand_load_estimator.nodes.simulator_node:main',
-        'estimator_node = hand_load_estimator.nodes.estimator_node:main',
-        'controller_node = hand_load_estimator.nodes.controller_node:main',
+        'simulator_node = hand_load_estimator.nodes.start:simulator',
+        'estimator_node = hand_load_estimator.nodes.start:estimator',
+        'controller_node = hand_load_estimator.nodes.start:controller',
         'hand_load = hand_load_estimator.cli:main',
     ]},
 )

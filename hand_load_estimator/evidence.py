@@ -1,11 +1,13 @@
 """Recordings made ready for identification: motion, and torque less a known load's."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from .errors import RecordingError
 from .load import LoadParameters
+from .recording_mark import content_of, message_digests, RecordingMark
 from .torque_columns import real_torque
 
 
@@ -16,7 +18,8 @@ class Evidence:
     load's (N, n) [Nm].
 
     held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None;
-    load: LoadParameters declared.
+    load: LoadParameters declared; messages (M,) uint64: of the whole recording, as of
+    recording_mark.message_digests, none where it is not on disk.
     """
 
     name: str
@@ -24,22 +27,29 @@ class Evidence:
     torque: np.ndarray
     held: np.ndarray | None = None
     load: LoadParameters = field(default_factory=LoadParameters)
+    messages: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint64))
+
+    @cached_property
+    def mark(self):
+        """The RecordingMark of the recording."""
+        return RecordingMark(self.name, content_of(self.messages))
 
 
 def recording_numbers(evidence):
-    """Return for each Evidence the number of its recording: parts of one have its name."""
-    names = list(dict.fromkeys(e.name for e in evidence))
-    return [names.index(e.name) for e in evidence]
+    """Return for each Evidence the number of its recording: parts of one have its mark."""
+    marks = list(dict.fromkeys(e.mark for e in evidence))
+    return [marks.index(e.mark) for e in evidence]
 
 
-def prepare(robot, name, motion, load):
-    """Return the Evidence of a Motion recorded with the given LoadParameters."""
+def prepare(robot, name, motion, load, recording=None):
+    """Return the Evidence of a Motion with the given LoadParameters, from a Recording or not."""
     if len(motion.stamp) == 0:
         raise RecordingError(f'{name}: holds no usable joint states')
     torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
+    messages = np.empty(0, np.uint64) if recording is None else message_digests(recording)
     if load.mass == 0.0:
-        return Evidence(name, motion, torque)
+        return Evidence(name, motion, torque, messages=messages)
     products = load.to_products()
     held = np.array([robot.load_regressor(q, v, a) @ products
                      for q, v, a in zip(motion.q, motion.v, motion.a)])
-    return Evidence(name, motion, torque - held, held, load)
+    return Evidence(name, motion, torque - held, held, load, messages)

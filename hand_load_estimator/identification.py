@@ -107,7 +107,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
                                          stated, drift))
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
-                       tuple(e.name for e in evidence),
+                       tuple(e.mark for e in evidence),
                        (float(seen.min()), float(seen.max())) if known else None)
 
 

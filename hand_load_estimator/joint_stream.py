@@ -11,6 +11,12 @@ PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
 TEMPERATURE_LIFE = 30.0
 
 
+def joint_index(name, joints):
+    """Return which of the joints a name means, also behind a tf_prefix; None where not just one."""
+    matches = [i for i, joint in enumerate(joints) if name.endswith(joint)]
+    return matches[0] if len(matches) == 1 else None
+
+
 class JointStream:
     """
     Feed raw messages of one robot, get filtered motion.
@@ -59,18 +65,18 @@ class JointStream:
 
     def temperature_reading(self, joint, celsius):
         """Note one joint's temperature; other names are passed over, broken values counted."""
-        matches = [i for i, name in enumerate(self._joints) if joint.endswith(name)]
-        if len(matches) != 1:
+        index = joint_index(joint, self._joints)
+        if index is None:
             return
         low, high = PLAUSIBLE_TEMPERATURE
         if not (np.isfinite(celsius) and low < celsius < high):
             self._guard.rejected['implausible_temperature'] += 1
             return
-        self._filter.set_temperature(matches[0], celsius)
+        self._filter.set_temperature(index, celsius)
         # Joint states tell the time; a reading before the first of them starts with it.
         now, expires = ((np.nan, -np.inf) if self.last_stamp is None
                         else (self.last_stamp, self.last_stamp + TEMPERATURE_LIFE))
-        self._read_at[matches[0]] = now
+        self._read_at[index] = now
         self._none_expires_before = min(self._none_expires_before, expires)
 
     def _expire_temperatures(self, stamp):

@@ -263,6 +263,14 @@ def products_transform(rotation, translation):
     return np.array(columns).T
 
 
+def together(loads):
+    """Return the LoadParameters of several that hang in the same load frame."""
+    if len(loads) == 1:
+        return loads[0]
+    return LoadParameters.from_message(
+        message_from_products(sum(load.to_products() for load in loads)))
+
+
 STATUSES = ('NO_DATA', 'WAITING_FOR_MOTION', 'ESTIMATING', 'DETERMINED', 'LOAD_CHANGED',
             'MODEL_MISMATCH', 'STALE_INPUT')
 

@@ -15,6 +15,7 @@ import yaml
 from .configuration import Section, read_yaml
 from .effects import EFFECTS
 from .load import PRODUCT_ORDER
+from .recording_mark import RecordingMark
 from .robot import robot_from_content
 from .torque_columns import EffectUse
 from .torque_model import Residuals, TorqueModel
@@ -40,7 +41,7 @@ def _block_text(dumper, text):
 
 def _flow_mapping(dumper, data):
     return dumper.represent_mapping('tag:yaml.org,2002:map', data.items(),
-                                    flow_style='unit' in data)
+                                    flow_style='unit' in data or 'content' in data)
 
 
 _Dumper.add_representer(list, _flow_list)
@@ -84,11 +85,15 @@ def model_content(model):
         'links_identified': model.links_declared,
         'effects': effects,
         'residual': _residual_content(model.residuals),
-        'recordings': list(model.recordings),
+        'recordings': [_mark_content(mark) for mark in model.recordings],
         'diagnosed': model.diagnosed,
         'temperatures': [float(t) for t in model.temperatures] if model.temperatures else None,
         'links': links,
         'correlations': rows if np.any(model.covariance) else []}
+
+
+def _mark_content(mark):
+    return {'name': mark.name, 'content': mark.content} if mark.content else mark.name
 
 
 def _residual_content(residuals):
@@ -109,6 +114,7 @@ _HEADER = """\
 #   load_share: of all variances stated here, the part an estimate of the load suffers from,
 #   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings,
 #   sliding_residual [Nm] (RMS of means over 0.2 s while sliding, null: not known) when diagnosed.
+# recordings: content is a digest of the joint states, by which a recording is known again.
 # correlations: lower triangle without the diagonal, links first, then effects as listed.
 """
 
@@ -150,16 +156,26 @@ def read_model(path):
                     if section.has('temperatures') else None)
     model = TorqueModel(robot, uses, section.flag('links_identified'), mean,
                         _covariance(section, std), residuals,
-                        _read_recordings(section), temperatures, _read_diagnosed(section))
+                        _read_recordings(section, path), temperatures, _read_diagnosed(section))
     section.refuse_unknown()
     return model
 
 
-def _read_recordings(section):
-    names = section.get('recordings', 'a list of names')
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        section.fail('recordings', 'is not usable', names, 'a list of names')
-    return tuple(names)
+def _read_recordings(section, path):
+    """Return RecordingMarks; files from before the content was kept have plain names."""
+    allowed = 'a list of names, or of mappings with name and content'
+    entries = section.get('recordings', allowed)
+    if not isinstance(entries, list) or not all(isinstance(e, (str, dict)) for e in entries):
+        section.fail('recordings', 'is not usable', entries, allowed)
+    return tuple(RecordingMark(entry) if isinstance(entry, str) else
+                 _read_mark(Section(entry, f'{path}: recordings[{k}]'))
+                 for k, entry in enumerate(entries))
+
+
+def _read_mark(entry):
+    mark = RecordingMark(entry.text('name'), entry.text('content'))
+    entry.refuse_unknown()
+    return mark
 
 
 def _read_diagnosed(section):

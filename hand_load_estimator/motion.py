@@ -163,7 +163,7 @@ class MotionFilter:
 
 @dataclass(frozen=True)
 class Motion:
-    """MotionSamples of one recording stacked: stamp, dt (N,); the others (N, n)."""
+    """MotionSamples of one recording stacked: stamp, dt, messages (N,); the others (N, n)."""
 
     stamp: np.ndarray
     dt: np.ndarray
@@ -172,10 +172,11 @@ class Motion:
     a: np.ndarray
     effort: np.ndarray
     temperature: np.ndarray
+    messages: np.ndarray
 
     @staticmethod
     def of(samples):
         """Stack MotionSamples; those of a starting filter are left out."""
         samples = [s for s in samples if not s.fresh]
         return Motion(*(np.array([getattr(s, name) for s in samples]) for name in (
-            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature')))
+            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature', 'messages')))

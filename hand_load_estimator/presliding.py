@@ -12,9 +12,11 @@ import numpy as np
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
 # A joint slower than this [rad/s] for longer than REST_TIME [s] is at rest: its drive may creep
-# and the contacts relax, so the friction it holds is not known any more.
+# and the contacts relax, so the friction it holds is not known any more. A speed above it while the
+# joint stays within MOVED [rad] is noise of the sensor.
 REST_SPEED = 2e-3
 REST_TIME = 0.2
+MOVED = 1e-4
 # How far friction may be from the model, in Coulomb levels: with the path forgotten, on the way
 # between two levels (the curve there differs from joint to joint), and while creeping.
 UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
@@ -22,6 +24,11 @@ CREEP_SPEED = 0.01
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.
 STUCK_TIME = 1.0
+# At rest the doubt grows with this time [s]. All of a rest then tells of the friction, pi times it
+# over STUCK_TIME level^2, what no more than its bounds tell of it: a variance of half a level^2,
+# where friction anywhere between its two levels has a third and the model's variances count for
+# load_share of themselves.
+REST_GROWTH = 0.6
 LARGEST_DOUBT = 100.0
 
 
@@ -42,23 +49,29 @@ class PreslidingState:
         """Forget the path."""
         k = len(self._distance)
         self.z, self.doubt = np.zeros(k), np.ones(k)
-        self._anchor, self._resting = None, np.zeros(k)
+        self._anchor, self._rests_at, self._resting = None, None, np.zeros(k)
 
     def update(self, q, v, dt):
         """Advance to the positions q (k,) at speeds v (k,) after dt; returns (z, doubt)."""
         if self._anchor is None:
-            self._anchor = q.copy()
+            self._anchor = self._rests_at = q.copy()
         moved = q - self._anchor
         counts = np.abs(moved) > DEAD_BAND
         decay = np.where(counts, np.exp(-np.abs(moved) / self._distance), 1.0)
         direction = np.sign(moved)
         self.z = np.where(counts, direction + (self.z - direction) * decay, self.z)
         self._anchor = np.where(counts, q, self._anchor)
-        self._resting = np.where(np.abs(v) < REST_SPEED, self._resting + dt, 0.0)
-        held = self._resting - REST_TIME
-        growing = np.minimum(np.hypot(1.0, held / (2.0 * STUCK_TIME)), LARGEST_DOUBT)
-        self.doubt = np.where(held > 0.0, growing, np.minimum(self.doubt, 1.0) * decay)
+        moves = (np.abs(v) >= REST_SPEED) & (np.abs(q - self._rests_at) > MOVED)
+        self._rests_at = np.where(moves, q, self._rests_at)
+        self._resting = np.where(moves, 0.0, self._resting + dt)
+        self.doubt = np.where(self._resting > REST_TIME, doubt_after(self._resting),
+                              np.minimum(self.doubt, 1.0) * decay)
         return self.z, self.doubt
+
+
+def doubt_after(rest):
+    """Return the doubt about z after a rest [s] longer than REST_TIME."""
+    return np.minimum(np.hypot(1.0, (rest - REST_TIME) / REST_GROWTH), LARGEST_DOUBT)
 
 
 def presliding_path(q, v, dt, distance):

@@ -54,9 +54,9 @@ class TorqueModel:
     An identified (or nominal) torque model of one robot.
 
     uses: EffectUse in the order of their columns; links_declared: whether the links' products
-    were identified; mean (P,), covariance (P, P) of x; residuals; recordings it came from;
-    temperatures: (low, high) [degC] seen, or None; diagnosed: ISO 8601 time at which it was last
-    held against recordings, by identification or diagnosis, or None.
+    were identified; mean (P,), covariance (P, P) of x; residuals; recordings it came from, a
+    RecordingMark each; temperatures: (low, high) [degC] seen, or None; diagnosed: ISO 8601 time at
+    which it was last held against recordings, by identification or diagnosis, or None.
     """
 
     robot: Robot
@@ -73,6 +73,11 @@ class TorqueModel:
     def noise(self):
         """RMS (n,) [Nm] of the torque the model leaves unexplained."""
         return self.residuals.rmse
+
+    @property
+    def recording_names(self):
+        """Names of the recordings it came from."""
+        return [mark.name for mark in self.recordings]
 
     def presliding_distance(self):
         """Return the travel (n,) [rad] over which each joint's friction turns."""

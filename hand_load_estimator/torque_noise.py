@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from .motion import filter_step
+from .filtered_noise import noise_gain
 
 _DIFFERENCES = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _MEMORY = 150            # samples of the running mean
@@ -32,18 +32,7 @@ def difference_gain(step, messages):
 
     step: spacing of the samples, in _PER_OCTAVE steps from 20 ms; messages: per sample.
     """
-    dt = 0.02 * 2.0 ** (step / _PER_OCTAVE) / messages
-    matrix, before, now = filter_step(dt)
-    # What one noisy message leaves in the filter's output at later messages.
-    response, row, first = [now[2]], np.array([0.0, 0.0, 1.0]), matrix @ now + before
-    for _ in range(60 * messages):
-        response.append(row @ first)
-        row = row @ matrix
-    # ... and in the samples, for each place it may have between two of them.
-    total = sum(float(np.sum(np.convolve(response[place::messages], _DIFFERENCES) ** 2))
-                for place in range(messages))
-    # Unit density is a variance of 1 / dt per message.
-    return total / dt
+    return noise_gain(0.02 * 2.0 ** (step / _PER_OCTAVE), messages, _DIFFERENCES)
 
 
 class SampleNoise:

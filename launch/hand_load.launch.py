@@ -1,7 +1,7 @@
 """Start estimator and controller for an arm, and the simulator where there is no arm."""
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, ExecuteProcess
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
@@ -40,12 +40,22 @@ def _node(name, condition=None, **fixed):
                      **fixed}])
 
 
+def _nodes_with_model(context):
+    """Return estimator and controller; without the argument `model` their files' one holds."""
+    fixed = {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}
+    model = LaunchConfiguration('model').perform(context)
+    if model:
+        fixed['model'] = ParameterValue(model, value_type=str)
+    return [_node('estimator', **fixed),
+            _node('controller', IfCondition(LaunchConfiguration('control')), **fixed)]
+
+
 def generate_launch_description():
     """Return the launch description; `ros2 launch ... --show-args` lists the arguments."""
-    sim_time = {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'),
-                                               value_type=bool)}
     return LaunchDescription([
         _argument('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
+        _argument('model', '', 'torque model file: a path, or the short name of a shipped one; '
+                  'empty: as the parameter files say'),
         _argument('namespace', '', 'namespace of all nodes and topics'),
         _switch('use_sim_time', 'true', 'time comes from /clock; false with a real arm'),
         _switch('simulate', 'true', 'start the simulator; false with a real arm'),
@@ -53,8 +63,7 @@ def generate_launch_description():
         _switch('record', 'false', 'record the topics of the interface to a rosbag2 (MCAP)'),
         *(_params_file(name) for name in ('simulator', 'estimator', 'controller')),
         _node('simulator', IfCondition(LaunchConfiguration('simulate'))),
-        _node('estimator', **sim_time),
-        _node('controller', IfCondition(LaunchConfiguration('control')), **sim_time),
+        OpaqueFunction(function=_nodes_with_model),
         ExecuteProcess(
             cmd=['ros2', 'bag', 'record', '-s', 'mcap', *(
                 PathJoinSubstitution(['/', LaunchConfiguration('namespace'), topic])

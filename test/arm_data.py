@@ -15,6 +15,13 @@ from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
 from hand_load_estimator.shared_files import find_shared
 
 RATE = 250.0
+START = [0.0, -1.2, 1.5, -0.5, -1.0, 0.3]
+
+
+def arm(rate=RATE):
+    """Return the simulated arm the shipped model was identified from, standing."""
+    return Plant(load_robot(find_shared('ur10e', 'robots')), seed=SHIPPED_MODEL_PLANT, rate=rate,
+                 start_position=START)
 
 
 def box(mass):
@@ -30,9 +37,7 @@ def arm_samples(masses, seconds=4.0, rate=RATE):
     masses: the loads carried one after the other, for `seconds` each.
     """
     robot = load_robot(find_shared('ur10e', 'robots'))
-    plant = Plant(robot, seed=SHIPPED_MODEL_PLANT, rate=rate,
-                  start_position=[0.0, -1.2, 1.5, -0.5, -1.0, 0.3])
-    start = np.array([0.0, -1.2, 1.5, -0.5, -1.0, 0.3])
+    plant, start = arm(rate), np.array(START)
     swing = np.array([0.4, 0.5, -0.6, 0.7, 0.8, -0.7])
     times = np.arange(1.0, seconds * len(masses) + 1.0)
     goals = [start + (k % 2 == 0) * swing for k in range(len(times))]
@@ -43,6 +48,17 @@ def arm_samples(masses, seconds=4.0, rate=RATE):
         for _ in range(int(seconds * rate)):
             plant.step()
             samples.append((plant.time, *plant.measure()))
+    return samples
+
+
+def standing_samples(mass, seconds):
+    """Return [(t, position, velocity, effort)] of the default arm standing with a load."""
+    plant = arm()
+    plant.attach(box(mass))
+    samples = []
+    for _ in range(int(seconds * RATE)):
+        plant.step()
+        samples.append((plant.time, *plant.measure()))
     return samples
 
 
@@ -72,6 +88,10 @@ class Feeder:
                              'a subscription of joint states')
         # The other side may need a moment longer, and drops what comes before.
         self._listener.spin(0.5)
+
+    def temperatures_heard(self):
+        """Tell whether a node listens to temperatures."""
+        return self._temperatures.get_subscription_count() > 0
 
     def stamp(self, t):
         """Return the integer nanoseconds of a sample's time."""

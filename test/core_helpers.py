@@ -18,6 +18,7 @@ from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.presliding import presliding_path
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import (EffectUse, effect_slices, parameter_count,
                                                 torque_columns, warmth_of)
@@ -91,8 +92,8 @@ def exact_model(robot_name='ur10e', names=EFFECTS, rate=100.0, doubt=0.0):
     # The filter's two-sided bandwidth makes the RMS of a filtered torque of its density.
     residuals = Residuals(noise * np.sqrt(100.0 * 3.0 / 16.0 / rate), noise ** 2 / rate,
                           np.tile([1e-3, 1e-3, 1e-3], (robot.n, 1)) * noise[:, None])
-    return TorqueModel(robot, uses, False, mean, np.diag(std ** 2), residuals, ('made up',),
-                       (15.0, 45.0))
+    return TorqueModel(robot, uses, False, mean, np.diag(std ** 2), residuals,
+                       (RecordingMark('made up'),), (15.0, 45.0))
 
 
 def message_noise(robot):

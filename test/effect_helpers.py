@@ -5,6 +5,7 @@ import numpy as np
 
 from hand_load_estimator.effects import EFFECTS, EffectInput
 from hand_load_estimator.play import play_along
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.torque_columns import (effect_slices, EffectUse, lateness,
                                                 parameter_count)
 from hand_load_estimator.torque_model import Residuals, TorqueModel
@@ -40,4 +41,5 @@ def model_with(robot, names, values, shape=None):
             mean[where] = values[use.name]
     noise = message_noise(robot)
     return TorqueModel(robot, uses, False, mean, np.diag((0.01 * mean) ** 2), Residuals(
-        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('made up',), (15.0, 45.0))
+        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), (RecordingMark('made up'),),
+        (15.0, 45.0))

@@ -1,5 +1,6 @@
 """The benchmark's own figures: exact on results made by hand, a bound that is one, resuming."""
 
+from dataclasses import replace
 import json
 
 from core_helpers import block, exact_model, four_axes, messages
@@ -10,7 +11,7 @@ import yaml
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, measure, run
 from hand_load_estimator.benchmark.bound import Bound
-from hand_load_estimator.benchmark.contestants import Contestant, REGRESSOR
+from hand_load_estimator.benchmark.contestants import Contestant, OUR_MODEL, REGRESSOR
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, MOMENTS, plant_models,
@@ -22,10 +23,15 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.learning import bayesian_network, distilled_network, neural_process
 from hand_load_estimator.load import (LoadParameters, message_from_products, MESSAGE_ORDER,
                                       products_from_shape, products_jacobian_of_shape)
 from hand_load_estimator.model_follower import Prediction
 from hand_load_estimator.motion import MotionSample
+from hand_load_estimator.plant import JointEvent, TemperatureEvent
+from hand_load_estimator.recording import JointSample
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
 
 METHODS = ('lstm', 'bayes', 'least squares')
 
@@ -241,23 +247,55 @@ def test_a_case_belongs_to_its_seed_and_is_a_body():
 
 def test_motion_start_is_the_first_move_of_a_joint_that_gravity_loads():
     """Joint 1 turns about the vertical and tells nothing of the load's weight."""
-    robot, zero = four_axes(), np.zeros(4)
+    robot, zero, q = four_axes(), np.zeros(4), np.array([0.0, 0.8, 0.3, 0.2])
 
     def sample(t, v):
-        return MotionSample(t, 0.02, np.array([0.0, 0.8, 0.3, 0.2]), np.array(v), zero, zero,
-                            zero, False)
+        return JointEvent(t, q, np.array(v), zero)
 
     # A chain whose first axis is upright only roughly: take what gravity really loads.
-    torque = np.abs(robot.load_regressor(sample(0, zero).q, zero, zero)
-                    @ robot.rated_load.to_products())
+    torque = np.abs(robot.load_regressor(q, zero, zero) @ robot.rated_load.to_products())
     loaded = int(np.argmax(torque))
     free = [j for j in range(4) if torque[j] < 0.1 * torque.max()]
     slow, fast = np.eye(4)[loaded] * 0.04, np.eye(4)[loaded] * 0.06
-    samples = [sample(0.0, zero), sample(0.1, slow), sample(0.3, fast)]
+    samples = [TemperatureEvent(0.0, zero), sample(0.0, zero), sample(0.1, slow),
+               sample(0.3, fast)]
     for j in free:
-        samples.insert(1, sample(0.05, np.eye(4)[j]))
+        samples.insert(2, sample(0.05, np.eye(4)[j]))
     assert cases.motion_start(robot, samples) == 0.3
     assert cases.motion_start(robot, samples[:-1]) is None
+
+
+@pytest.mark.parametrize('joint', range(6))
+def test_the_clock_of_a_six_axis_arm_starts_with_joints_two_to_four(joint):
+    """Wrist 2 carries weight in most poses, and starts no clock (DESIGN section 6)."""
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    q, zero = np.array([0.0, -1.2, 1.5, 0.4, 0.6, 0.3]), np.zeros(6)
+    moving = JointEvent(0.2, q, 0.06 * np.eye(6)[joint], zero)
+    start = cases.motion_start(robot, [JointEvent(0.0, q, zero, zero), moving])
+    assert start == (0.2 if 1 <= joint <= 3 else None)
+    if joint == 4:
+        assert robot.gravity_loaded(q)[joint]
+
+
+def test_the_clock_starts_with_what_is_measured_and_not_with_the_filter():
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    case = cases.draw_case(robot, seeds.DEVELOPMENT_PLANTS[93], seeds.DEVELOPMENT_CASES[996])
+    events = list(cases.case_events(robot, case))
+    run = cases.case_run(robot, case)
+    states = [e for e in events if isinstance(e, JointEvent)]
+    first = next(e for e in states if (np.abs(e.velocity[1:4]) > cases.MOTION_START).any())
+    filtered = next(s for s in run.samples if (np.abs(s.v[1:4]) > cases.MOTION_START).any())
+    assert run.start == first.stamp < filtered.stamp - 0.02
+
+
+def test_the_clock_reads_recordings_by_joint_names():
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    q = np.array([0.0, -1.2, 1.5, 0.4, 0.6, 0.3])
+    names, velocity = tuple(reversed(robot.joints)), 0.06 * np.eye(6)[2]
+    rows = [JointSample(stamp, names, q[::-1], v[::-1], np.zeros(6))
+            for stamp, v in ((1.0, 0 * velocity), (1.01, velocity))]
+    assert cases.motion_start(robot, rows) == 1.01
+    assert cases.motion_start(robot, [replace(row, velocity=np.array([])) for row in rows]) is None
 
 
 def broken(*_):
@@ -311,6 +349,8 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
                                                   ('pick_place', 30.0, 8.0)))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))
+    for module in (bayesian_network, distilled_network, neural_process):
+        monkeypatch.setattr(module, 'STEPS', 30)
     robot_path = tmp_path / 'arm.yaml'
     robot_path.write_text(yaml.safe_dump(four_axes().file.content))
     plant, seed = seeds.DEVELOPMENT_PLANTS[90], seeds.DEVELOPMENT_CASES[995]
@@ -327,10 +367,16 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert abs(mean[0] - truth[0]) < 4.0 * std[0] and std[0] < 0.3
     error = {name: abs(rows[-1][0][0] - truth[0]) for name, rows in found['methods'].items()}
     assert error['bayes'] < 0.3 * error['fixed rated load']
+    assert error[OUR_MODEL] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
     assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
+    # E2.6: each function answers for itself.
+    on_functions = [tuple(found['methods'][name][-1][0]) for name in (
+        'gp_bayes', 'gp_bayes_neural_process', 'gp_bayes_distilled',
+        'gp_bayes_bayesian_network')]
+    assert len(set(on_functions)) == 4
     # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
     assert 'lstm' not in found['methods']
 

@@ -9,7 +9,7 @@ import pytest
 
 from hand_load_estimator import cli, seeds
 from hand_load_estimator.benchmark import arms, execute, joined, run, suites
-from hand_load_estimator.benchmark.suites import cases_of, SUITES
+from hand_load_estimator.benchmark.suites import cases_of, SUITES, UNDECLARED
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.plant.hidden import EFFECTS
@@ -95,17 +95,26 @@ def test_wrists_that_cannot_swing_are_refused():
 
 def test_undeclared_effects_take_turns_at_strength_two():
     robot = four_axes()
-    names = list(EFFECTS)
-    seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
+    seed = next(s for s in CASES if UNDECLARED[s % len(UNDECLARED)] == 'torque_offset')
     case = SUITES['undeclared'].draw(robot, PLANT, seed)
     (entry,) = case.hidden
     assert entry['name'] == 'torque_offset' and entry['strength'] == 2.0
     assert len(entry['joints']) == 1
-    assert {names[s % len(names)] for s in CASES} == set(EFFECTS)
+    drawn = {UNDECLARED[s % len(UNDECLARED)] for s in CASES}
+    assert drawn == set(EFFECTS) - {'load_change'}
+
+
+def test_every_effect_has_four_cases_on_four_plants():
+    plants = {}
+    for plant, part in cases_of(SUITES['undeclared']):
+        for seed in part:
+            plants.setdefault(seed % len(EFFECTS), []).append(plant)
+    assert len(plants) == len(EFFECTS)
+    assert all(len(own) == len(set(own)) == 4 for own in plants.values())
 
 
 def test_where_no_joint_can_have_an_effect_the_next_one_is_hidden(monkeypatch):
-    robot, names = four_axes(), list(EFFECTS)
+    robot, names = four_axes(), list(UNDECLARED)
     seed = next(s for s in CASES if names[s % len(names)] == 'torque_offset')
     place = suites.place
 

@@ -1,6 +1,7 @@
 """A changed load is noticed soon; the same load is not mistaken for another."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, PIECE, RecentData,
                                                    WINDOWS)
 from hand_load_estimator.estimators.information import Information
+from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.regression import LoadRegression
 from hand_load_estimator.load import LoadParameters
 
 SECONDS = 1.2  # within which a change of 2 kg must be noticed while the arm moves
@@ -178,3 +181,29 @@ def test_the_kept_sum_is_the_sum_of_the_pieces():
         parts = [getattr(part, name) for part in (recent.older, *recent.pieces)]
         np.testing.assert_allclose(getattr(recent.total(), name), np.sum(parts, axis=0),
                                    rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize('weight', [60.0, 75.0, 1000.0])
+def test_what_is_taken_back_holds_nothing_of_the_other_load(weight):
+    """The less a change stands out, the further back it lies when it is seen."""
+    rng, regression = np.random.default_rng(5), LoadRegression(load_prior(ur10e()), 6, 1)
+    held, other = (block(mass).to_products() for mass in (3.0, 3.12))
+
+    def take(products, begin, seconds):
+        for stamp in np.arange(begin, begin + seconds, 0.02):
+            columns = rng.normal(size=(6, 11))
+            regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
+                           columns[:, :10] @ products, np.full(6, weight))
+            regression.look_for_change()
+            if regression.changes:
+                return stamp
+        return begin + seconds
+
+    begun = take(held, 0.0, 20.0)
+    assert regression.changes == 0
+    before = regression.update_posterior().mean[0]
+    seen = take(other, begun, 5.0)
+    assert regression.changes == 1
+    assert regression.changed_pieces * PIECE == pytest.approx(seen - begun + PIECE, abs=PIECE)
+    assert regression.take_back(seen)
+    assert abs(regression.posterior.mean[0] - before) < 1e-5

@@ -1,17 +1,23 @@
 """The demo's parts that need no nodes: load, table, picture, and what it says of a dead node."""
 
 import io
+import re
+import subprocess
+import sys
 import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from ros_helpers import node_environment
 
 from hand_load_estimator.demo import DemoError, DemoSettings, NodeProcesses, draw_load
 from hand_load_estimator.demo_table import LiveTable, plain_line, table_lines
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.report.demo_figure import draw_demo
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
 
 RATED = LoadParameters(10.0, [0.0, 0.0, 0.1], 0.1 * np.eye(3))
 
@@ -90,3 +96,26 @@ def test_dead_node_is_told_with_its_last_words(tmp_path):
         with pytest.raises(DemoError, match='simulator ended with status 2.*no_such_robot'):
             processes.check()
     assert set(processes.exit_codes().values()) == {2}
+
+
+def test_demo_ends_by_itself_with_the_load_found_and_a_picture(domain, tmp_path):
+    """As scripts/demo starts it, three processes and all."""
+    picture = tmp_path / 'new' / 'x.png'
+    done = subprocess.run(
+        [sys.executable, '-m', 'hand_load_estimator', 'demo', '--out', str(picture)], text=True,
+        capture_output=True, timeout=120, cwd=tmp_path, env=node_environment(domain))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert 'Traceback' not in done.stderr
+    number = r' +(-?[\d.]+)'
+    found = re.search(rf'^mass \[kg\]{number}{number}{number}', done.stdout, re.MULTILINE)
+    mass, two_sigma, truth = map(float, found.groups())
+    assert truth == pytest.approx(draw_load(1, ur10e_rated()).mass, abs=1e-3)
+    assert abs(mass - truth) < 2.0 * two_sigma and two_sigma < 0.2, done.stdout
+    assert ', lstm):' in done.stdout, 'the default method'
+    height, width = imread(picture).shape[:2]
+    assert height > 800 and width > 800
+
+
+def ur10e_rated():
+    """Return the rated load of the default robot."""
+    return load_robot(find_shared('ur10e', 'robots')).rated_load

@@ -85,7 +85,7 @@ def test_the_load_is_estimated_better(found):
 
 def test_the_model_serves_estimate(folder, found):
     better = read_model(folder / 'found' / 'model.yaml')
-    assert set(better.recordings) == {'made up', 'run1', 'run2'}
+    assert better.recording_names == ['made up', 'run1', 'run2']
     masses = []
     for name in ('old.yaml', 'found/model.yaml'):
         out = folder / 'estimate.json'

@@ -88,7 +88,7 @@ def test_the_posterior_is_the_exact_regression_where_points_are_the_data(learned
         'inputs', 'difference', 'worth', 'owner', 'dt')})
     kernel = {**learned[0], 'noise': np.full(model().robot.n, 0.8),
               'points': few.inputs.swapaxes(0, 1).copy()}
-    process = InducingPoints(torque_gp._posterior(few, kernel, np.ones(len(few.dt), bool)))
+    process = InducingPoints(torque_gp.process_posterior(few, kernel, np.ones(len(few.dt), bool)))
     x = speeds(5)
     mean, variance = process.at(difference_inputs(('velocity',), x, x, x, x))
     for j in range(model().robot.n):
@@ -153,6 +153,19 @@ def test_e2_6_a_bayesian_network_is_fitted_to_the_process(learned, monkeypatch):
     assert len(tensors['in_weight']) == bayesian_network.DRAWS
     assert np.ptp(tensors['out_bias'][..., 0], axis=0).min() > 0.0
     compare(teacher, draws)
+
+
+@pytest.mark.parametrize('function, module', [('distilled', distilled_network),
+                                              ('bayesian_network', bayesian_network)])
+def test_e2_6_a_pupil_is_judged_by_its_own_answers(learned, tmp_path, monkeypatch, function,
+                                                   module):
+    """One that has hardly learned takes less off the residual than the process it follows."""
+    monkeypatch.setattr(module, 'STEPS', 3)
+    told = learn_difference(tmp_path, model(), evidence(), function, ('velocity',))
+    assert (told.share > learned[1].share + 0.02).any()
+    artefact = read_difference(tmp_path, model())
+    np.testing.assert_allclose(artefact.share, told.share, rtol=1e-5)
+    np.testing.assert_allclose(artefact.left_out_variance, told.variance, rtol=1e-5)
 
 
 def test_e2_6_recordings_too_short_for_a_neural_process_are_refused():

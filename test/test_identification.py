@@ -36,7 +36,8 @@ def waves(robot, rng, seconds, celsius):
         q += size * np.sin(angle)
         v += size * w * np.cos(angle)
         a -= size * w * w * np.sin(angle)
-    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius))
+    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius),
+                  np.full(len(t), 10))
 
 
 class Made:
@@ -158,7 +159,7 @@ def test_what_changes_between_recordings_is_drift(made):
 
 
 def test_what_it_came_from_is_kept(found):
-    assert found.recordings == ('run 0', 'run 1', 'run 2', 'run 3')
+    assert found.recording_names == ['run 0', 'run 1', 'run 2', 'run 3']
     assert found.temperatures == (15.0, 35.0) and found.links_declared
 
 

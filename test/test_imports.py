@@ -1,6 +1,9 @@
-"""The rooms of DESIGN section 2 import only what they may; read from source, not by running."""
+"""The rooms of DESIGN section 2 import only what they may; read from source but for the last."""
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import PurePosixPath
 
 import pytest
@@ -129,3 +132,15 @@ def test_nothing_is_pickled():
         assert not importers(package)
     # It sends jobs to a cluster there; nothing of it is written to a file.
     assert importers('joblib') <= {'benchmark/execute'}
+
+
+def test_the_nodes_of_an_arm_load_neither_torch_nor_mujoco():
+    """The README's second world installs neither for them; networks run in numpy."""
+    code = ('import sys; import hand_load_estimator.nodes.controller_node, '
+            'hand_load_estimator.nodes.estimator_node; '
+            'from hand_load_estimator.estimators.build import build_pipeline; '
+            'print(*(build_pipeline("ur10e", name).method.name for name in ("lstm", "bayes")), '
+            '*(name in sys.modules for name in ("torch", "mujoco", "rosbags", "matplotlib")))')
+    said = subprocess.run([sys.executable, '-c', code], check=True, capture_output=True, text=True,
+                          env={**os.environ, 'PYTHONPATH': str(ROOT)}).stdout.split()
+    assert said == ['lstm', 'bayes', *['False'] * 4]

@@ -15,6 +15,7 @@ from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.identification import identify
 from hand_load_estimator.knee_fit import with_knees_fitted
 from hand_load_estimator.model_file import read_model, write_model
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, effect_slices,
@@ -41,7 +42,8 @@ def arm(knee=np.inf, fall=0.0, name=COULOMB):
     std = 0.01 * np.abs(x)
     std[:10 * robot.n], std[-1] = 0.0, 1e-4 * noise[JOINT]
     return TorqueModel(robot, uses, False, x, np.diag(std ** 2), Residuals(
-        noise, noise ** 2 * 0.02, np.zeros((robot.n, 3))), ('identified from',), (15.0, 50.0))
+        noise, noise ** 2 * 0.02, np.zeros((robot.n, 3))), (RecordingMark('made up'),),
+        (15.0, 50.0))
 
 
 @lru_cache(None)

@@ -11,7 +11,7 @@ from hand_load_estimator.load import (LoadEstimate, LoadParameters, message_from
                                       message_from_shape, message_jacobian_of_shape,
                                       products_from_message, products_from_shape,
                                       products_jacobian_of_message, products_jacobian_of_shape,
-                                      products_transform, pseudo_inertia)
+                                      products_transform, pseudo_inertia, together)
 from hand_load_estimator.load_file import load_of_argument, read_load_file, write_load_file
 
 ROBOTS = {'ur10e': ur10e, 'four axes': four_axes}
@@ -49,6 +49,16 @@ def test_e4_1_regressor_times_load_is_what_rnea_adds(name):
         np.testing.assert_allclose(robot.load_regressor(q, v, a) @ load.to_products(),
                                    more - less, atol=1e-9)
         np.testing.assert_allclose(robot.rigid_torque(q, v, a, load), more, atol=1e-9)
+
+
+def test_loads_together_are_what_pinocchio_adds():
+    rng = np.random.default_rng(4)
+    one, other = random_load(rng), random_load(rng)
+    both, expected = together([one, other]), pinocchio_inertia(one) + pinocchio_inertia(other)
+    assert both.mass == pytest.approx(expected.mass)
+    np.testing.assert_allclose(both.com, expected.lever)
+    np.testing.assert_allclose(both.inertia, expected.inertia)
+    assert together([one]) is one
 
 
 @pytest.mark.parametrize('name', ROBOTS)

@@ -11,6 +11,7 @@ from hand_load_estimator.effects import EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.load import PRODUCT_ORDER
 from hand_load_estimator.model_file import model_content, read_model, write_model
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.torque_columns import EffectUse, parameter_count, torque_columns
 from hand_load_estimator.torque_model import Residuals, TorqueModel, uncertain_directions
 
@@ -27,8 +28,9 @@ def model():
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
     return TorqueModel(robot, uses, True, mean, root @ root.T, Residuals(
         rng.uniform(0.1, 2.0, 4), rng.uniform(1e-3, 1e-1, 4), rng.uniform(0.0, 0.3, (4, 3)),
-        np.array([0.31, np.nan, 0.12, 0.05]), 0.6), ('one', 'two: with a colon'), (14.5, 51.0),
-        '2026-03-01T14:30:00+01:00')
+        np.array([0.31, np.nan, 0.12, 0.05]), 0.6),
+        (RecordingMark('one'), RecordingMark('two: with a colon', '1234567890123456')),
+        (14.5, 51.0), '2026-03-01T14:30:00+01:00')
 
 
 @pytest.fixture
@@ -211,6 +213,11 @@ WRONG = {
     'temperatures of one': (change('temperatures', to=[20.0]), 'temperatures'),
     'recordings a number': (change('recordings', to=5), 'recordings'),
     'recordings a text': (change('recordings', to='one'), 'recordings'),
+    'a recording a number': (change('recordings', to=['one', 5]), 'recordings'),
+    'a recording without content': (change('recordings', to=[{'name': 'one'}]),
+                                    'recordings[0]: content'),
+    'a recording with more': (change('recordings', to=[
+        'one', {'name': 'two', 'content': 'ab', 'stamp': 1.0}]), 'stamp'),
     'correlations short': (change('correlations', to=[[]]), 'correlations'),
     'correlations a text': (change('correlations', to='none'), 'correlations'),
     'a correlation a text': (change('correlations', 3, to=[0.0, 0.0, 'x']), 'correlations'),

@@ -2,10 +2,11 @@
 
 import math
 import signal
+import time
 
 import numpy as np
 import pytest
-from arm_data import Feeder, arm_samples
+from arm_data import Feeder, arm_samples, standing_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
 from sensor_msgs.msg import JointState
@@ -190,6 +191,36 @@ def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listene
     mass, std = estimator.mass()
     assert abs(mass - 3.0) < max(0.2, 4.0 * std)
     assert estimator.stopped(signal.SIGTERM)[0] == 0
+
+
+def test_temperatures_under_other_names_are_told(estimator, feeder, listener):
+    """Ids that match no joint once left the filter without temperatures and the operator calm."""
+    names, feeder.joints = feeder.joints, [f'joint_{k}' for k in range(6)]
+    listener.until(feeder.temperatures_heard, 10.0, 'a subscription of temperatures')
+    feeder.warm()
+    feeder.joints = names
+    feeder.play(arm_samples((3.0,)))
+    listener.until(lambda: estimator.said('input')[0].startswith('no temperature of'), 5.0)
+    message, values = estimator.said('input')
+    assert "'joint_5'" in message and 'elbow_joint' in message
+    assert values['temperatures known'] == '0 of 6' and values['received temperatures'] == '6'
+    feeder.warm()
+    feeder.epoch += int(4e9)
+    feeder.play(arm_samples((3.0,)))
+    listener.until(lambda: estimator.said('input')[0] == 'joint states arrive', 5.0, 'an OK')
+    assert estimator.said('input')[1]['temperatures known'] == '6 of 6'
+
+
+def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder):
+    """Effort of the wrong sign gave -13 kg with WAITING_FOR_MOTION, and diagnostics said OK."""
+    samples = standing_samples(3.0, 6.0)
+    feeder.epoch = time.time_ns()
+    feeder.play([(t, q, v, -effort) for t, q, v, effort in samples])
+    told = [status for message in estimator.diagnostics for status in message.status
+            if status.name.endswith('estimator: estimate')
+            and status.message.startswith('WAITING_FOR_MOTION')]
+    assert told and all(status.level == DiagnosticStatus.WARN for status in told[-2:])
+    assert 'run hand_load check' in told[-1].message and estimator.mass()[0] < -1.0
 
 
 def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):

@@ -10,12 +10,11 @@ from std_msgs.msg import Header
 from hand_load_estimator.load import LoadEstimate, LoadParameters
 from hand_load_estimator.nodes.diagnostics import OK, STALE
 from hand_load_estimator.nodes.estimate_messages import (covariance_message, estimate_status,
-                                                         inertia_message, residual_message,
-                                                         vector_of_inertia)
+                                                         impossible_mass, inertia_message,
+                                                         residual_message, vector_of_inertia)
 from hand_load_estimator.nodes.markers import equivalent_ellipsoid, estimate_markers
 from hand_load_estimator.nodes.pace import Pace
 from hand_load_estimator.nodes.stamps import StampBase, time_message
-from hand_load_estimator.nodes.temperature_input import temperatures_of
 from hand_load_estimator.nodes.throttle import Throttle
 
 
@@ -25,6 +24,17 @@ def some_estimate(status='ESTIMATING', mass=2.0):
     box = mass / 12.0 * np.diag([0.2**2 + 0.3**2, 0.1**2 + 0.3**2, 0.1**2 + 0.2**2])
     mean = LoadParameters(mass, [0.01, -0.02, 0.1], box).to_message()
     return LoadEstimate(12.5, mean, root @ root.T, [True] * 4 + [False] * 6, status, 'because', 7)
+
+
+@pytest.mark.parametrize('mass, tared, told', [
+    (-1.2, 0.0, False), (-1.6, 0.0, True), (3.0, 0.0, False),
+    # After a tare what was put down is rightly missing.
+    (-5.0, 5.0, False), (-7.0, 5.0, True)])
+def test_a_mass_that_no_load_has_is_told(mass, tared, told):
+    estimate = LoadEstimate(1.0, [mass, *[0.0] * 9], np.diag([0.25, *[0.01] * 9]), [False] * 10,
+                            'WAITING_FOR_MOTION', '', 0)
+    said = impossible_mass(estimate, tared)
+    assert ('hand_load check' in said) == told == bool(said)
 
 
 def test_inertia_message_keeps_the_order():
@@ -139,19 +149,3 @@ def test_throttle_keeps_the_rate_in_spite_of_jitter(rate, passed):
     assert abs(sum(throttle.due(t) for t in times) - passed) <= 2
     assert throttle.due(1.0), 'a clock that goes back does not stop it'
     assert not throttle.due(1.0 + 0.5 / rate)
-
-
-def test_temperatures_of_dynamic_joint_state():
-    """control_msgs is not needed to know how its message is read."""
-    class Values:
-        def __init__(self, names, values):
-            self.interface_names, self.values = names, values
-
-    class Message:
-        joint_names = ['a', 'b', 'c']
-        interface_values = [Values(['position', 'temperature'], [0.1, 31.5]),
-                            Values(['position'], [0.2]), Values(['temperature'], [math.nan])]
-
-    read = list(temperatures_of(Message))
-    assert read[0] == ('a', 31.5) and read[1][0] == 'c' and math.isnan(read[1][1])
-    assert len(read) == 2

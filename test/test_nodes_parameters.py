@@ -94,6 +94,16 @@ def test_wrong_value_at_start_ends_with_status_2_and_one_sentence(start, argumen
     assert 'Traceback' not in node.output
 
 
+@pytest.mark.parametrize('node', ['estimator', 'controller'])
+def test_a_robot_without_a_shipped_model_is_told_to_give_one(start, node):
+    """`ur10e_current: is neither a path nor a shipped file` named neither parameter nor model."""
+    process = start(node, '--ros-args', '-p', 'robot:=ur10e_current')
+    assert process.wait(30.0) == 2
+    assert process.output == ('error: parameter model: none is shipped for robot ur10e_current; '
+                              'give model:=FILE, which `hand_load identify` makes from its '
+                              'recordings\n')
+
+
 def test_unreadable_parameter_file_ends_with_status_2(start, tmp_path):
     wrong = tmp_path / 'wrong.yaml'
     wrong.write_text('a: [1, 2\n')

@@ -11,8 +11,10 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 from test_nodes_estimator import Estimator
+from test_same_arm import another_arm, UR10
 
 from hand_load_estimator.model_file import write_model
+from hand_load_estimator.recording_mark import RecordingMark
 
 MASS = 3.0
 
@@ -36,11 +38,14 @@ def files(tmp_path):
     offsets = [where.start for use, where in right.slices() if use.name == 'torque_offset']
     wrong[offsets[1]] += 20.0
     write_model(tmp_path / 'right.yaml', replace(
-        right, recordings=('run 1', 'run 2'), diagnosed='2026-03-01T14:30:00+00:00',
+        right, recordings=(RecordingMark('run 1', 'ab'), RecordingMark('run 2')),
+        diagnosed='2026-03-01T14:30:00+00:00',
         residuals=replace(right.residuals, sliding=0.5 * right.residuals.rmse)))
-    write_model(tmp_path / 'wrong.yaml', replace(right, mean=wrong, recordings=('old run',)))
+    write_model(tmp_path / 'wrong.yaml',
+                replace(right, mean=wrong, recordings=(RecordingMark('old run'),)))
     write_model(tmp_path / 'joints.yaml', exact_model('four'))
     write_model(tmp_path / 'current.yaml', exact_model('ur10e_current'))
+    write_model(tmp_path / 'ur10.yaml', replace(right, robot=another_arm(right.robot, UR10)))
     (tmp_path / 'text.yaml').write_text('schema: something\n')
     (tmp_path / 'broken.yaml').write_text('schema: [1, 2\n')
     return tmp_path
@@ -134,6 +139,7 @@ def test_a_model_that_does_not_fit_is_refused(estimator, feeder, listener, files
     play(feeder, listener, arm_samples())
     before = estimator.mass()
     for name, said in (('joints.yaml', 'another robot'), ('current.yaml', 'motor_current'),
+                       ('ur10.yaml', '24 mm from where ur10e'),
                        ('text.yaml', 'schema'), ('broken.yaml', 'not YAML'),
                        ('nowhere.yaml', 'nowhere'), ('x' * 5000, ''), ('.', '')):
         estimator.set_model(files / name)

@@ -59,3 +59,26 @@ def test_a_second_signal_ends_one_that_hangs(node):
     time.sleep(1.2)
     node.send_signal(signal.SIGTERM)
     assert node.wait(15.0) == -signal.SIGTERM
+
+
+@pytest.mark.parametrize('name', ['estimator', 'simulator', 'controller'])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_it_still_imports_ends_it_in_order(domain, name, number):
+    """Python's own handlers made a traceback of it, or the node died of the signal."""
+    # What the installed executables do; Python tells of every import when it is done.
+    code = f'import sys; from hand_load_estimator.nodes.start import {name}; sys.exit({name}())'
+    process = subprocess.Popen([sys.executable, '-X', 'importtime', '-c', code], text=True,
+                               env=node_environment(domain), stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    try:
+        for line in process.stderr:
+            if line.split('|')[-1].strip() == 'numpy':
+                break
+        process.send_signal(number)
+        said, imports = process.communicate(timeout=30.0)
+        assert process.returncode == 0, imports
+        assert 'hand_load_estimator.nodes.runner' in imports, 'the signal came among the imports'
+        assert not said and 'Traceback' not in imports
+    finally:
+        process.kill()
+        process.wait()

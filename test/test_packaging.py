@@ -2,15 +2,20 @@
 
 import ast
 import os
+import runpy
 import shutil
 import signal
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from ros_helpers import ROOT, Listener, NodeProcess, free_domain, node_environment
 from sensor_msgs.msg import JointState
 from test_imports import IMPORTS, PACKAGE, ROS
@@ -203,6 +208,41 @@ def test_setup_asks_for_the_wheels_requirements_pin():
         assert f"'{name}" in source or name == 'setuptools', name
 
 
+def installed_for(*names):
+    """
+    Return {distribution: version} of the requirements (with extras) and what they bring in.
+
+    Without what one of them asks for in an exact version, as torch does for its CUDA parts.
+    """
+    found, todo = {}, [Requirement(name) for name in names]
+    while todo:
+        wanted = todo.pop()
+        key = (canonicalize_name(wanted.name), frozenset(wanted.extras))
+        if key in found:
+            continue
+        found[key] = metadata.version(wanted.name)
+        extras = wanted.extras or {''}
+        todo += [needed for needed in map(Requirement, metadata.requires(wanted.name) or [])
+                 if not str(needed.specifier).startswith('==') and (
+                     needed.marker is None
+                     or any(needed.marker.evaluate({'extra': extra}) for extra in extras))]
+    return {name: version for (name, _), version in found.items()}
+
+
+def test_constraints_pin_everything_that_is_installed():
+    """What is not pinned is another version tomorrow; networkx, which torch brings, once was."""
+    lines = [line for file in ('requirements.txt', 'requirements-test.txt')
+             for line in (ROOT / file).read_text().splitlines() if '==' in line]
+    pins = {canonicalize_name(name): version for name, version in (
+        line.split('==') for line in (ROOT / 'constraints.txt').read_text().splitlines()
+        if '==' in line)}
+    installed = installed_for(*lines)
+    assert len(installed) > 100
+    # A build is told by a suffix, 2.13.0+cpu.
+    assert {name: version.split('+')[0] for name, version in installed.items()} == {
+        name: pins.get(name) for name in installed}
+
+
 def test_launch_file_declares_what_it_uses():
     """`launch` is not a wheel, so the file is read, not run: names used are names declared."""
     tree = ast.parse((ROOT / 'launch' / 'hand_load.launch.py').read_text())
@@ -215,10 +255,41 @@ def test_launch_file_declares_what_it_uses():
     used = {node.args[0].value for node in called if node.func.id == 'LaunchConfiguration'
             and isinstance(node.args[0], ast.Constant)}
     assert used == declared
-    assert {'robot', 'namespace', 'use_sim_time', 'record'} <= declared
+    assert {'robot', 'model', 'namespace', 'use_sim_time', 'record'} <= declared
     nodes = {node.args[0].value for node in called if node.func.id == '_node'
              and isinstance(node.args[0], ast.Constant)}
     assert nodes == {'simulator', 'estimator', 'controller'}
+
+
+@pytest.mark.parametrize('given, passed', [({}, None), ({'model': 'my.yaml'}, 'my.yaml')])
+def test_launch_file_hands_a_model_on_only_when_given(monkeypatch, given, passed):
+    """
+    With stand-ins of `launch`, which keep what they are given.
+
+    An empty model handed on would win over the one in a parameter file.
+    """
+    class Kept(SimpleNamespace):
+        def __init__(self, *values, **named):
+            super().__init__(values=values, **named)
+
+        def perform(self, context):
+            return context.get(self.values[0], '')
+
+    for name in ('launch', 'launch.actions', 'launch.conditions', 'launch.substitutions',
+                 'launch_ros', 'launch_ros.actions', 'launch_ros.parameter_descriptions',
+                 'launch_ros.substitutions'):
+        module = ModuleType(name)
+        module.__getattr__ = lambda wanted: Kept
+        monkeypatch.setitem(sys.modules, name, module)
+    launch_file = runpy.run_path(ROOT / 'launch' / 'hand_load.launch.py')
+    (actions,) = launch_file['generate_launch_description']().values
+    (late,) = [action.function for action in actions if hasattr(action, 'function')]
+    nodes = late(given)
+    assert [node.name for node in nodes] == ['estimator', 'controller']
+    for node in nodes:
+        fixed = node.parameters[1]
+        assert (fixed['model'].values[0] if 'model' in fixed else None) == passed
+        assert {'robot', 'use_sim_time'} <= set(fixed)
 
 
 def test_scripts_run_in_bash_and_are_executable():

@@ -1,6 +1,7 @@
 """Every hidden effect can be had, costs what its strength says, or is refused with sense."""
 
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant import Plant, read_effects
 from hand_load_estimator.plant.arm import Arm
 from hand_load_estimator.plant.effects_file import parse_effects
@@ -20,9 +21,9 @@ DESIGN_NAMES = {
     'load_dependent_friction', 'temperature_dependent_viscous_friction',
     'temperature_dependent_coulomb_friction', 'presliding_hysteresis', 'backlash',
     'torque_ripple', 'torque_scale', 'torque_scale_temperature', 'torque_offset', 'time_delay',
-    'external_contact'}
-# A contact is stated while it lasts: let it last.
-ALWAYS = {'external_contact': {'start': 0.0, 'duration': 100.0}}
+    'external_contact', 'load_change'}
+# What comes from outside is stated while it lasts: let it last.
+ALWAYS = dict.fromkeys(('external_contact', 'load_change'), {'start': 0.0, 'duration': 100.0})
 
 
 def entry(name, strength):
@@ -148,6 +149,45 @@ def test_a_contact_is_bounded_in_time():
         other.step_until(t)
         seen[t] = np.abs(other.state()[3] - one.state()[3])[1]
     assert seen[0.9] < 1e-9 and seen[1.4] > 40.0 and seen[6.0] < 15.0
+
+
+def held_torque(plant, robot, at):
+    """Return the torque (n,) [Nm] through the gears at rest, beside what the links weigh."""
+    plant.step_until(at)
+    q = plant.state()[0]
+    return plant.state()[3] - plant.friction_torque() \
+        - robot.rigid_torque(q, np.zeros(6), np.zeros(6))
+
+
+@pytest.mark.parametrize('load', [None, LOAD])
+def test_a_load_change_is_bounded_in_time_and_weighs_what_it_says(load):
+    robot, pose = ur10e(), np.array([0.3, -0.8, 1.1, 0.2, 0.4, 0.1])
+    ball = {'name': 'load_change', 'parameters': {'mass': 0.5, 'com': [0.0, 0.02, 0.1],
+                                                  'start': 1.0, 'duration': 3.0}}
+    one, other = (Plant(robot, seed=SEED, load=load, start_position=pose,
+                        effects=effects(robot, *e)) for e in ((), (ball,)))
+    more = {t: held_torque(other, robot, t) - held_torque(one, robot, t)
+            for t in (0.9, 3.9, 9.0)}
+    zero = np.zeros(6)
+    expected = robot.load_regressor(pose, zero, zero) @ LoadParameters(
+        0.5, [0.0, 0.02, 0.1], 5e-4 * np.eye(3)).to_products()
+    assert np.max(np.abs(more[0.9])) < 1e-9 and np.abs(expected).max() > 3.0
+    np.testing.assert_allclose(more[3.9], expected, atol=0.05)
+    assert np.max(np.abs(more[9.0])) < 0.05
+
+
+def test_two_load_changes_hang_together_where_they_overlap():
+    robot = ur10e()
+    balls = [{'name': 'load_change', 'parameters': {
+        'mass': mass, 'com': [0.0, 0.0, 0.1], 'start': start, 'duration': 2.0}}
+        for mass, start in ((0.5, 1.0), (1.0, 2.0))]
+    plant = Plant(robot, seed=SEED, load=LOAD, effects=effects(robot, *balls))
+    body = plant._arm._model.body('load')
+    masses = []
+    for t in (0.5, 1.5, 2.5, 3.5, 4.5):
+        plant.step_until(t)
+        masses.append(body.mass[0] - LOAD.mass)
+    np.testing.assert_allclose(masses, [0.0, 0.5, 1.5, 1.0, 0.0], atol=1e-9)
 
 
 def test_effects_do_not_change_what_the_seed_draws():

@@ -38,7 +38,7 @@ def test_the_path_counts_and_not_its_sampling():
 def test_noise_of_the_encoder_moves_nothing():
     rng = np.random.default_rng(1)
     z, doubt = path(rng.uniform(-1e-5, 1e-5, 500))
-    assert (z == 0.0).all() and (doubt == 1.0).all()
+    assert (z == 0.0).all() and (doubt >= 1.0).all()
 
 
 def test_steps_below_the_dead_band_add_up():
@@ -62,8 +62,22 @@ def test_a_long_rest_tells_no_more_than_a_short_one():
     """Information of a constant unknown: the sum of dt / doubt^2 at rest must not grow on."""
     _, doubt = presliding_path(np.zeros((6000, 1)), np.zeros((6000, 1)), np.full(6000, 0.01),
                                np.array([S]))
-    told = np.cumsum(0.01 / doubt[:, 0] ** 2)
-    assert told[5999] < 1.05 * told[3000] and told[5999] < 5.0
+    assert told_of_friction(doubt[:, 0]) < 1.05 * told_of_friction(doubt[:3000, 0])
+
+
+def told_of_friction(doubt):
+    """Return what a rest sampled every 10 ms tells of friction, over what its bounds tell of it."""
+    density = stuck_density(np.zeros(1), doubt, np.zeros(1), 1.0)
+    return np.sum(0.01 / density) / 3.0
+
+
+@pytest.mark.parametrize('noise', [0.0, 1e-3, 3e-3])
+def test_waiting_tells_no_more_than_that_friction_lies_between_its_levels(noise):
+    """Uniform between two levels is a variance of a third; noise of the speed is no motion."""
+    rng, v = np.random.default_rng(2), np.zeros((6000, 1))
+    _, doubt = presliding_path(rng.uniform(-1e-5, 1e-5, v.shape), noise * rng.normal(size=v.shape),
+                               np.full(len(v), 0.01), np.array([S]))
+    assert told_of_friction(doubt[:, 0]) < 0.85
 
 
 def test_joints_are_followed_apart():

@@ -7,6 +7,7 @@ from core_helpers import four_axes
 import numpy as np
 from plant_helpers import ur10e
 import pytest
+from test_known_recordings import on_disk
 from test_residual_trace import (cable, clean_runs, declared_model, noise_of, on, recorded, ripple,
                                  viscous)
 
@@ -318,7 +319,7 @@ def test_new_recordings_leave_what_is_known_and_fill_in_what_is_new():
     mean, std = parameter(found, 'torque_ripple', 2)
     assert mean == pytest.approx(size * np.cos(0.5), abs=4.0 * std + 0.02 * size)
     assert parameter(found, 'torque_ripple', 1) is None
-    assert found.recordings == (*model.recordings, 'run 0', 'run 1', 'run 2', 'run 3')
+    assert found.recording_names == [*model.recording_names, 'run 0', 'run 1', 'run 2', 'run 3']
 
 
 def test_what_was_found_changed_is_free_again():
@@ -344,8 +345,8 @@ def test_what_may_have_changed_instead_is_free_too(alternatives, free):
 
 def test_its_own_recordings_are_not_counted_twice():
     """From the recordings it was made of, all is estimated anew, with the robot file's prior."""
-    evidence = recorded(on(2, 2.0, ripple))
-    model = replace(wrong(), recordings=tuple(e.name for e in evidence))
+    evidence = on_disk(recorded(on(2, 2.0, ripple)))
+    model = replace(wrong(), recordings=tuple(e.mark for e in evidence))
     found = better_model(model, [step_of('torque_ripple', 2, {'periods': 23.4})], evidence)
     truth, _ = parameter(declared_model(), 'coulomb_friction', 0)
     mean, std = parameter(found, 'coulomb_friction', 0)

@@ -9,6 +9,7 @@ from test_residual_trace import (cable, clean_runs, declared_model, Hidden, nois
 
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.foretelling import Foretelling
+from hand_load_estimator.residual.hypotheses import hats
 from hand_load_estimator.residual.structure import followed, ORDER, structures, TEMPERATURE
 
 JOINT, OTHER = 1, 3
@@ -130,8 +131,20 @@ def test_a_function_is_judged_on_blocks_it_was_not_fitted_to():
     """As many functions as samples fit anything, and foretell nothing."""
     rng = np.random.default_rng(0)
     values, weights, starts = rng.normal(size=600), np.full(600, 2.0), np.arange(0, 600, 50)
-    trial = Foretelling(values, weights, starts, np.zeros((600, 0)))
+    trial = Foretelling(values, weights, np.full(600, 0.02), starts, np.zeros((600, 0)))
     explained, chance = trial.explained(rng.normal(size=(600, 500)))
     assert explained < 0.0 <= chance
     told_, chance = trial.explained(values[:, None])
     assert told_ == pytest.approx(np.mean(values ** 2), rel=0.01) and chance < 0.2 * told_
+
+
+def test_chance_does_not_depend_on_how_often_rows_come():
+    """The same residual, every row in two halves: its noise is forgotten after as long."""
+    rng = np.random.default_rng(0)
+    values, weights, starts = rng.normal(size=6000), np.full(6000, 2.0), np.arange(0, 6000, 200)
+    columns, none = hats(rng.normal(size=6000), 8), np.zeros((6000, 0))
+    whole = Foretelling(values, weights, np.full(6000, 0.02), starts, none)
+    halves = Foretelling(*(np.repeat(rows, 2, axis=0) for rows in (
+        values, 0.5 * weights, np.full(6000, 0.01))), 2 * starts, np.repeat(none, 2, axis=0))
+    np.testing.assert_allclose(halves.explained(np.repeat(columns, 2, axis=0)),
+                               whole.explained(columns), rtol=1e-9)

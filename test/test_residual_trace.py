@@ -9,6 +9,7 @@ from test_identification import waves
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
@@ -33,7 +34,8 @@ def declared_model(doubt=0.01, names=None):
     std[:10 * robot.n] = 0.0
     noise = noise_of(robot)
     return TorqueModel(robot, uses, False, mean, np.diag(std ** 2), Residuals(
-        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), ('identified from',), (15.0, 35.0))
+        noise, noise ** 2 * DT, np.zeros((robot.n, 3))), (RecordingMark('made up'),),
+        (15.0, 35.0))
 
 
 def noise_of(robot):

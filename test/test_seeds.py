@@ -7,7 +7,7 @@ import pytest
 from ros_helpers import ROOT
 
 from hand_load_estimator import seeds
-from hand_load_estimator.benchmark.run import SUITES
+from hand_load_estimator.benchmark.suites import cases_of, SUITES
 
 RANGES = {name: value for name, value in vars(seeds).items() if isinstance(value, range)}
 SOURCES = sorted((ROOT / 'hand_load_estimator').rglob('*.py'))
@@ -15,7 +15,7 @@ SOURCES = sorted((ROOT / 'hand_load_estimator').rglob('*.py'))
 
 def test_there_are_ranges_for_every_purpose():
     assert {'TRAINING', 'VALIDATION', 'CALIBRATION', 'BENCHMARK_PLANTS', 'BENCHMARK_CASES',
-            'DEVELOPMENT_PLANTS', 'DEVELOPMENT_CASES'} <= set(RANGES)
+            'DEVELOPMENT_PLANTS', 'DEVELOPMENT_CASES', 'FINAL_PLANTS', 'FINAL_CASES'} <= set(RANGES)
 
 
 @pytest.mark.parametrize('one, other', list(combinations(sorted(RANGES), 2)))
@@ -36,6 +36,17 @@ def test_suites_use_their_own_ranges_and_have_seeds_enough(name):
     assert set(suite.plant_seeds) <= set(RANGES[f'{kind}_PLANTS'])
     assert suite.case_seeds == RANGES[f'{kind}_CASES']
     assert suite.plants <= len(suite.plant_seeds) and suite.count <= len(suite.case_seeds)
+
+
+@pytest.mark.parametrize('name', [n for n in SUITES if n != 'development'])
+def test_more_cases_than_a_suite_has_are_on_seeds_that_it_never_used(name):
+    count = SUITES[name].count
+    for wanted, kind in ((count, 'BENCHMARK'), (max(2000, count + 1), 'FINAL')):
+        for plant, part in cases_of(SUITES[name], wanted):
+            assert plant in RANGES[f'{kind}_PLANTS']
+            assert set(part) <= set(RANGES[f'{kind}_CASES'])
+    assert all(plant in seeds.DEVELOPMENT_PLANTS
+               for plant, _ in cases_of(SUITES[name], 2000, development=True))
 
 
 def test_the_base_suite_is_large_enough():

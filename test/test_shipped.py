@@ -37,7 +37,7 @@ def test_the_artefact_is_small_and_its_card_tells_recipe_seed_and_scores():
     assert set(held_out) == set(MESSAGE_ORDER)
     assert all(0.9 <= share <= 0.99 for share in held_out.values())
     model = read_model(find_shared('ur10e', 'models'))
-    assert card['model_recordings'] == list(model.recordings)
+    assert card['model_recordings'] == model.recording_names
 
 
 def test_the_shipped_model_has_a_learned_difference_of_its_own():
@@ -45,7 +45,7 @@ def test_the_shipped_model_has_a_learned_difference_of_its_own():
     folder = shipped_difference(model)
     assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
     card = read_difference(folder, model).card
-    assert card['function'] == 'gp' and card['recordings'] == list(model.recordings)
+    assert card['function'] == 'gp' and card['recordings'] == model.recording_names
     for name in ON_DIFFERENCE:
         assert build_pipeline('ur10e', name).method.name == name
 

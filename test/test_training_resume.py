@@ -16,6 +16,7 @@ from safetensors.numpy import load_file
 from hand_load_estimator.cli import main
 from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.learning.artefact import read_artefact
+from hand_load_estimator.learning.training_loop import end_work
 from hand_load_estimator.model_file import write_model
 
 # Small batches, so that a shard is a second's work; killed at a given line of progress.
@@ -152,6 +153,25 @@ def test_another_job_in_the_same_folder_is_refused(runs, tmp_path, capsys):
     (tmp_path / 'work' / 'job.json').write_text('{"recipe": {}, "model": ""}')
     assert main(['train', '--model', str(out / 'model.yaml'), '--out', str(tmp_path)]) == 2
     assert 'unfinished training of another model, recipe or start' in capsys.readouterr().err
+
+
+def test_work_says_whose_it_is_until_nothing_else_is_left(tmp_path, monkeypatch):
+    """Killed while it was cleared away, work without its note passed for that of the next job."""
+    shards = tmp_path / 'work' / 'training'
+    shards.mkdir(parents=True)
+    for path in (shards / 'a.safetensors', shards.parent / 'checkpoint.safetensors',
+                 shards.parent / 'job.json'):
+        path.touch()
+    left = []
+
+    def watched(path, unlink=Path.unlink):
+        left.append({p.name for p in shards.parent.rglob('*') if p.is_file()})
+        unlink(path)
+
+    monkeypatch.setattr(Path, 'unlink', watched)
+    end_work(shards.parent)
+    assert all('job.json' in names for names in left) and left[-1] == {'job.json'}
+    assert len(left) == 3 and not shards.parent.exists()
 
 
 @pytest.mark.parametrize('arguments, word', [

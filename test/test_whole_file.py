@@ -21,3 +21,11 @@ def test_an_error_leaves_the_old_file_and_nothing_beside_it(tmp_path):
         part.write_text('half')
         raise KeyboardInterrupt
     assert path.read_text() == 'old' and list(tmp_path.iterdir()) == [path]
+
+
+def test_others_may_read_what_a_library_wrote_for_its_owner_only(tmp_path):
+    """Who trains an artefact need not be who runs the robot."""
+    with whole_file(tmp_path / 'weights') as part:
+        part.touch(mode=0o600)
+    (tmp_path / 'plain').touch()
+    assert (tmp_path / 'weights').stat().st_mode == (tmp_path / 'plain').stat().st_mode

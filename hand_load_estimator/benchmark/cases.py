@@ -6,6 +6,7 @@ import numpy as np
 
 from ..estimators.pipeline import MOTION_START
 from ..evidence import prepare
+from ..input_guard import InputGuard
 from ..joint_stream import JointStream
 from ..load import LoadParameters
 from ..motion import Motion
@@ -119,14 +120,42 @@ def case_events(robot, case, effects=()):
                          start_temperature=case.temperature, load=case.load, effects=effects)
 
 
-def case_samples(robot, case, effects=()):
-    """Return the MotionSamples of a Case; effects: as of case_events."""
-    return list(stream_samples(robot, case_events(robot, case, effects)))
+@dataclass(frozen=True)
+class CaseRun:
+    """What a Case gives: its MotionSamples, and the stamp [s] of motion start or None."""
+
+    samples: list
+    start: float | None
 
 
-def motion_start(robot, samples):
-    """Return the stamp [s] at which a gravity-loaded joint first moves, or None."""
-    for sample in samples:
-        if (np.abs(sample.v[robot.gravity_loaded(sample.q)]) > MOTION_START).any():
-            return sample.stamp
+def case_run(robot, case, effects=()):
+    """Return the CaseRun of a Case; effects: as of case_events."""
+    events = list(case_events(robot, case, effects))
+    return CaseRun(list(stream_samples(robot, events)), motion_start(robot, events))
+
+
+def motion_start(robot, states):
+    """
+    Return the stamp [s] at which a gravity-loaded joint first moves, or None (DESIGN section 6).
+
+    states: JointEvents or JointSamples as measured, others are passed over. No filter comes
+    before the clock: its delay would give every method as much more data than the time says.
+    """
+    guard = InputGuard(robot)
+    for state in states:
+        if not hasattr(state, 'velocity'):
+            continue
+        accepted = guard.accept(state.stamp, getattr(state, 'names', robot.joints),
+                                state.position, state.velocity, state.effort)
+        # Where a message has no velocity it is NaN, which is above nothing.
+        moving = accepted is not None and np.abs(accepted[1]) > MOTION_START
+        if np.any(moving) and (moving & _starts_clock(robot, accepted[0])).any():
+            return state.stamp
     return None
+
+
+def _starts_clock(robot, q):
+    """Return (n,) bool: joints 2 to 4 of six; of other arms those that carry the load at q."""
+    if robot.n != 6:
+        return robot.gravity_loaded(q)
+    return np.array([False, True, True, True, False, False])

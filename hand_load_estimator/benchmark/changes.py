@@ -15,6 +15,7 @@ from .contestants import chosen_methods, our_contestants
 from .suites import CASES_PER_PLANT
 
 KINDS = ('pick', 'exchange', 'drop', 'slip')
+CHANGES = 40              # unless told
 DURATION = 14.0           # [s] of a run with a change
 CHANGE_AT = (5.0, 8.0)    # [s] from its start
 # A slip that counts: mass times shift [kg m], for a rated load of 12.5 kg.
@@ -39,7 +40,8 @@ def draw_change(robot, seed, kind):
 
 
 @lru_cache(maxsize=2)
-def _robot_and_model(robot_path, plant):
+def robot_and_model(robot_path, plant):
+    """Return the Robot of a file and the model identified from a plant seed's recordings."""
     robot = load_robot(robot_path)
     return robot, identify(robot, identification_evidence(robot, plant))
 
@@ -48,38 +50,48 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
     """
     Return when each method saw one change of the load.
 
-    {'kind', 'at', 'moved', 'seen': {method: stamps}}: time of the change and of the first motion
-    after it [s] of a joint that carries the load; moved is None where there is none.
+    {'kind', 'at', 'moved', 'load', 'rated', 'seen': {method: stamps}, 'end': {method: [mean,
+    std]}}: time of the change and of the first motion after it [s] of a joint that carries the
+    load, None where there is none; the load (10,) held at the end, the rated mass [kg], and what
+    each method says at the end.
     """
-    robot, model = _robot_and_model(robot_path, plant)
+    robot, model = robot_and_model(robot_path, plant)
     before, after, at = draw_change(robot, seed, kind)
     rng = np.random.default_rng([seed, 12])
     motion = named_motion('pick_place', robot, DURATION, rng.uniform(0.5, 1.0), seed)
-    events = simulate_motion(
+    events = list(simulate_motion(
         robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=plant,
         run=seed, start_temperature=rng.uniform(15.0, 50.0), load=before,
-        load_changes=[(at, after)])
+        load_changes=[(at, after)]))
     samples = list(stream_samples(robot, events))
     racing = our_contestants(model, chosen_methods(methods), learned)
-    seen = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
-    moved = motion_start(robot, [s for s in samples if s.stamp >= at])
-    return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved, 'seen': seen}
+    told = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
+    moved = motion_start(robot, [e for e in events if e.stamp >= at])
+    return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved,
+            'load': after.to_message().tolist(), 'rated': robot.rated_load.mass,
+            'seen': {name: stamps for name, (stamps, _) in told.items()},
+            'end': {name: [belief.mean.tolist(), np.sqrt(np.diag(belief.covariance)).tolist()]
+                    for name, (_, belief) in told.items()}}
 
 
 def changes_seen(contestant, samples):
-    """Return the stamps [s] after which a Contestant counts one more change of the load."""
+    """Return stamps [s] after which a Contestant counts one more change, and its last Belief."""
     stamps, count = [], 0
     for sample in samples:
-        contestant.update(sample)
+        belief = contestant.update(sample)
         if contestant.method.changes > count:
             count = contestant.method.changes
             stamps.append(sample.stamp)
-    return stamps
+    return stamps, belief
 
 
 def measure_running(robot_path, plant, seed, seconds, learned, methods):
-    """Return the changes that each method saw while a load stayed, from a cold start on."""
-    robot, model = _robot_and_model(robot_path, plant)
+    """
+    Return the changes that each method saw while a load stayed, from a cold start on.
+
+    'end': {method: [error, std]} of the mass [kg] after all that time.
+    """
+    robot, model = robot_and_model(robot_path, plant)
     load = draw_load(robot, np.random.default_rng([seed, 13]))
     motion = named_motion('pick_place', robot, seconds, 1.0, seed)
     events = simulate_motion(
@@ -89,10 +101,11 @@ def measure_running(robot_path, plant, seed, seconds, learned, methods):
     count = 0
     # Not kept: half an hour of samples is not small.
     for count, sample in enumerate(stream_samples(robot, events), start=1):
-        for contestant in racing.values():
-            contestant.update(sample)
+        beliefs = {name: contestant.update(sample) for name, contestant in racing.items()}
     return {'plant': plant, 'seconds': seconds, 'samples': count,
             'changes': {name: c.method.changes for name, c in racing.items()},
+            'end': {name: [float(b.mean[0] - load.mass), float(np.sqrt(b.covariance[0, 0]))]
+                    for name, b in beliefs.items()},
             'mismatch': {name: c.mismatches / max(count, 1) for name, c in racing.items()}}
 
 
@@ -122,45 +135,3 @@ def change_jobs(robot_path, count, hours, learned, methods, development=False):
 def measure_job(kind, *arguments):
     """Return the result of one of change_jobs."""
     return (measure_change if kind == 'change' else measure_running)(*arguments)
-
-
-def change_scores(results):
-    """
-    Return {'methods': {name: figures}} of results by label.
-
-    changes, missed (not seen until the end of the run), too_early (runs in which one was seen
-    before it happened), delays [s] after the first motion that could tell, by kind too;
-    false_alarms in hours of running.
-    """
-    changed = [r for label, r in results.items() if label.startswith('change_')]
-    running = [r for label, r in results.items() if label.startswith('running_')]
-    changed = [r for r in changed if r['moved'] is not None]
-    names = {name for r in changed for name in r['seen']} \
-        | {name for r in running for name in r['changes']}
-    return {'methods': {name: _figures(name, changed, running) for name in sorted(names)}}
-
-
-def _delay(name, result):
-    """Return the delay [s] of the first change seen after it happened, or None."""
-    after = [stamp for stamp in result['seen'][name] if stamp >= result['at']]
-    return max(after[0] - result['moved'], 0.0) if after else None
-
-
-def _figures(name, changed, running):
-    delays = [_delay(name, r) for r in changed]
-    seen = np.array([d for d in delays if d is not None])
-    kinds = {}
-    for kind in KINDS:
-        own = [d for d, r in zip(delays, changed) if r['kind'] == kind]
-        found = [d for d in own if d is not None]
-        kinds[kind] = {'changes': len(own), 'missed': len(own) - len(found),
-                       'delay_median': float(np.median(found)) if found else float('nan')}
-    return {'changes': len(delays), 'missed': sum(d is None for d in delays),
-            'too_early': sum(any(s < r['at'] for s in r['seen'][name]) for r in changed),
-            'delay_median': float(np.median(seen)) if len(seen) else float('nan'),
-            'delay_p95': float(np.quantile(seen, 0.95)) if len(seen) else float('nan'),
-            'delays': seen.tolist(), 'kinds': kinds,
-            'false_alarms': int(sum(r['changes'].get(name, 0) for r in running)),
-            'hours': float(sum(r['seconds'] for r in running) / 3600.0),
-            'mismatch': float(np.mean([r['mismatch'][name] for r in running])) if running
-            else float('nan')}

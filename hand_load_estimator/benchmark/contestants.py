@@ -10,6 +10,7 @@ from ..errors import ConfigurationError
 from ..estimators.build import build_method
 from ..estimators.physical_consistency import published
 from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
+from ..learning.difference_artefact import PREDICTORS
 from ..model_follower import ModelFollower
 from .rivals import FixedLoad, LeastSquares
 
@@ -18,19 +19,31 @@ WITHOUT_NETWORK = 'bayes'
 BLIND = f'{DEFAULT}, temperatures withheld'
 TEXTBOOK = 'least squares, Coulomb + viscous'
 TEXTBOOK_CAREFUL = 'the same, standing joints left out'
+# What the torque model alone is worth: the textbook's method looking through ours.
+OUR_MODEL = 'least squares, our model, standing joints left out'
 NOMINAL = 'recursive least squares, nominal model'
 FIXED = 'fixed rated load'
+# gp_bayes on the other functions of the torque difference (E2.6): {contestant: function}.
+ON_FUNCTION = {f'gp_bayes_{name}': name for name in PREDICTORS if name != 'gp'}
+# The function that a method needs learned for its torque model.
+FUNCTION = {**dict.fromkeys(sorted(ON_DIFFERENCE), 'gp'), **ON_FUNCTION}
 # The whole arm's regressor: the load's columns alone are no call of pinocchio's.
 REGRESSOR = 'one pinocchio joint torque regressor call (whole arm)'
 
 
 def chosen_methods(names=None):
     """Return the names of methods to measure, all by default; raises ConfigurationError."""
-    unknown = [name for name in names or () if name not in METHODS]
+    known = (*METHODS, *ON_FUNCTION)
+    unknown = [name for name in names or () if name not in known]
     if unknown:
         raise ConfigurationError('--methods', 'are not all known', ','.join(unknown),
-                                 ', '.join(METHODS))
-    return tuple(names or METHODS)
+                                 ', '.join(known))
+    return tuple(names or known)
+
+
+def functions_of(names=None):
+    """Return the functions of the torque difference that chosen_methods need, sorted."""
+    return tuple(sorted({FUNCTION[name] for name in chosen_methods(names) if name in FUNCTION}))
 
 
 class Contestant:
@@ -68,20 +81,22 @@ def our_contestants(model, names, learned, difference=None):
     """
     Return {name: Contestant} of our methods on a TorqueModel.
 
-    learned: artefact of the default method, or None for the shipped one; difference: folder of
-    the torque difference learned for this model, without which the methods on one stay out. A
-    method without an artefact for this robot falls back on another: it stands once, under the
-    name of that.
+    learned: artefact of the default method, or None for the shipped one; difference: {function:
+    folder} of the torque difference learned for this model, without which the methods on one stay
+    out. A method without an artefact for this robot falls back on another: it stands once, under
+    the name of that.
     """
-    out = {}
+    out, difference = {}, difference or {}
     for name in names:
-        if name in ON_DIFFERENCE and difference is None:
+        function = FUNCTION.get(name)
+        if function and function not in difference:
             continue
-        own = difference if name in ON_DIFFERENCE else learned if name == DEFAULT else None
+        own = difference[function] if function else learned if name == DEFAULT else None
+        method = 'gp_bayes' if name in ON_FUNCTION else name
         contestant = Contestant(
-            model, lambda f, n=name, o=own: build_method(model, f.uncertainties, n, o))
+            model, lambda f, n=method, o=own: build_method(model, f.uncertainties, n, o))
         ran = contestant.method.name
-        out.setdefault(ran if ran in METHODS else name, contestant)
+        out.setdefault(ran if ran in METHODS and not function else name, contestant)
     return out
 
 
@@ -97,6 +112,7 @@ def contestants(robot, models, names, learned):
         TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, skip_standing=False)),
         TEXTBOOK_CAREFUL: Contestant(
             textbook, lambda f: LeastSquares(textbook, skip_standing=True)),
+        OUR_MODEL: Contestant(ours, lambda f: LeastSquares(ours, skip_standing=True)),
         NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, skip_standing=False)),
         FIXED: Contestant(None, lambda f: FixedLoad(robot))}
 

@@ -10,7 +10,8 @@ from ..joint_stream import JointStream
 from ..model_file import read_model
 from ..shared_files import find_shared
 from .cases import case_events, draw_case, stream_samples
-from .contestants import chosen_methods, cost_of, our_contestants, REGRESSOR, RegressorClock
+from .contestants import (chosen_methods, cost_of, ON_FUNCTION, our_contestants, REGRESSOR,
+                          RegressorClock)
 from .memory import resident_mib
 
 # Samples before the clock starts: caches and just-in-time work are no running cost.
@@ -47,7 +48,7 @@ def measure_cost(robot_name, method, learned):
     case = draw_case(robot, seeds.SHIPPED_MODEL_PLANT, seeds.DEVELOPMENT_CASES[0])
     samples = list(stream_samples(robot, case_events(robot, case), stream))
     clock, before = RegressorClock(robot), resident_mib()
-    racing = our_contestants(model, (method,), learned, shipped_difference(model))
+    racing = our_contestants(model, (method,), learned, {'gp': shipped_difference(model)})
     built, (contestant,) = resident_mib(), racing.values()
     for k, sample in enumerate(samples):
         clock.update(sample)
@@ -61,8 +62,9 @@ def measure_cost(robot_name, method, learned):
 
 
 def cost_jobs(robot_name, learned, methods):
-    """Return {label: arguments} of measure_cost, one per method."""
-    return {f'cost_{name}': (robot_name, name, learned) for name in chosen_methods(methods)}
+    """Return {label: arguments} of measure_cost, one per method with something shipped."""
+    return {f'cost_{name}': (robot_name, name, learned) for name in chosen_methods(methods)
+            if name not in ON_FUNCTION}
 
 
 def cost_scores(results):

@@ -11,10 +11,13 @@ from ..plant.effects_file import parse_effects
 from ..plant.hidden import EFFECTS
 
 SINGLE, PAIR, CLEAN, OUTSIDE = 'single', 'pair', 'clean', 'outside'
-# Effects of the plant that no model knows, and words for the variables they depend on.
-NOT_IN_VOCABULARY = {'speed_resonance_friction': ('velocity', 'speed'),
-                     'swinging_load': ('acceleration', 'time')}
-CONTACT = 'external_contact'
+# Effects of the plant that no model knows, and the variable that a report has to name. A swing
+# follows no variable of the arm: it rings in time, with its own frequency.
+NOT_IN_VOCABULARY = {'speed_resonance_friction': 'velocity', 'swinging_load': 'time'}
+CONTACT, LOAD_CHANGE = 'external_contact', 'load_change'
+# What comes from outside is in the recordings that errors are taken on, too, and no model of the
+# arm can foretell it.
+FROM_OUTSIDE = (CONTACT, LOAD_CHANGE)
 STRENGTHS = (0.5, 2.0, 5.0)
 MEDIUM = 2.0             # from here on the goals count
 REPEATS = 2

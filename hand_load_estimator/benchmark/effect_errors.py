@@ -5,7 +5,6 @@ import numpy as np
 from ..estimators.bayes import Bayes
 from ..model_follower import ModelFollower
 from ..motion import MotionSample
-from .cases import motion_start
 from .contestants import Contestant
 
 MOVING = 0.02            # [rad/s] a joint that stands tells little of its torque
@@ -34,16 +33,16 @@ def _differences(model, motion):
 
 def mass_errors(model, loaded):
     """
-    Return {moment: errors [kg]} of method `bayes` on (Case, MotionSamples) pairs.
+    Return {moment: errors [kg]} of method `bayes` on (Case, CaseRun) pairs.
 
     Runs in which nothing moves are left out.
     """
     out = {moment: [] for moment in MASS_MOMENTS}
-    for case, samples in loaded:
-        start = motion_start(model.robot, samples)
-        if start is None:
+    for case, run in loaded:
+        if run.start is None:
             continue
-        for moment, mass in zip(MASS_MOMENTS, _masses(model, samples, start + MASS_TIME)):
+        masses = _masses(model, run.samples, run.start + MASS_TIME)
+        for moment, mass in zip(MASS_MOMENTS, masses):
             out[moment].append(mass - case.load.mass)
     return out
 

@@ -6,12 +6,13 @@ import numpy as np
 
 from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
-from ..report.diagnosis_json import alternatives_content
+from ..report.diagnosis_json import diagnosis_content
 from ..robot import load_robot
 from .effect_cases import place
 from .effect_errors import mass_errors, torque_rmse
+from .effect_outcome import naming
 from .effect_recordings import new_arm, record
-from .effect_truth import model_change, true_change
+from .effect_truth import model_change, stated, true_change
 
 
 def diagnosis_of(model, evidence, test):
@@ -36,8 +37,10 @@ def case_result(case, robot_path):
     out['effects'] = [{'joints': [], **entry} for entry in entries]
     arm, recordings = prepared(case, entries, robot_path)
     diagnosis, better, seconds = diagnosis_of(arm.model, recordings.evidence, recordings.test)
-    return {**out, **_said(diagnosis), 'seconds': seconds,
-            'parameters': _parameters(robot, case.plant, entries, arm.model, better),
+    said = _said(diagnosis)
+    return {**out, **said, 'seconds': seconds,
+            'parameters': _parameters(robot, case.plant, entries, (arm.model, better),
+                                      said['findings']),
             **_errors(arm, better, recordings)}
 
 
@@ -49,35 +52,27 @@ def prepared(case, entries, robot_path):
 
 
 def _said(diagnosis):
-    return {'findings': [_finding(f) for f in diagnosis.findings],
-            'cannot_tell': list(diagnosis.cannot_tell),
-            'remains': [str(line) for line in diagnosis.remains],
-            'unexplained': np.asarray(diagnosis.unexplained).tolist(),
-            'told': {'before': np.asarray(diagnosis.before).tolist(),
-                     'after': np.asarray(diagnosis.after).tolist()}}
+    """Return what report.json says, findings as it has them."""
+    content = diagnosis_content(diagnosis)
+    return {'findings': content['effects'], 'cannot_tell': content['cannot_tell'],
+            'remains': content['remains'], 'unexplained': content['unexplained'],
+            'told': {when: content[when]['torque_rmse'] for when in ('before', 'after')}}
 
 
-def _finding(finding):
-    evidence = finding.evidence
-    return {'name': finding.name, 'joints': list(finding.joints), 'verdict': finding.verdict,
-            'alternatives': alternatives_content(finding), 'advice': finding.advice,
-            'changed': bool(finding.changed),
-            'variables': list(finding.variables),
-            'parameters': {name: [float(mean), float(std), unit]
-                           for name, (mean, std, unit) in finding.parameters.items()},
-            'gain': float(evidence.gain), 'gain_std': float(evidence.gain_std),
-            'needed': float(evidence.needed), 'next_best': evidence.next_best,
-            'margin': None if evidence.margin is None else float(evidence.margin)}
+def _parameters(robot, plant, entries, models, findings):
+    """
+    Return {effect, parameter, truth, estimate, std} of all figures that can be compared.
 
-
-def _parameters(robot, plant, entries, before, after):
-    """Return effect, parameter, truth and estimate of all figures that can be compared."""
+    models: TorqueModels before and after. estimate, std: None where nothing says them.
+    """
     out = []
     for entry in entries:
-        told = model_change(robot, before, after, entry)
-        out += [{'effect': entry['name'], 'parameter': name, 'truth': value,
-                 'estimate': told[name]}
-                for name, value in true_change(robot, plant, entry).items()]
+        told = model_change(robot, *models, entry)
+        finding = naming(findings, {'joints': [], **entry})
+        for name, truth in true_change(robot, plant, entry).items():
+            mean, std = (None, None) if finding is None else stated(finding, name)
+            out.append({'effect': entry['name'], 'parameter': name, 'truth': truth,
+                        'estimate': told.get(name, mean), 'std': std})
     return out
 
 

@@ -2,19 +2,19 @@
 
 from ..residual.confusable import NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
-from .effect_cases import CONTACT, NOT_IN_VOCABULARY, OUTSIDE
+from .effect_cases import FROM_OUTSIDE, NOT_IN_VOCABULARY
 
 FOUND = 'found'
 BOTH = 'both named'                # of a set that recordings may not tell apart, with advice
-EXCLUDED = 'excluded'              # a contact that no effect of the model was made of
-WRONG_JOINT = 'wrong joint'
+EXCLUDED = 'excluded'              # from outside, not named: no effect of the model was made of it
+WRONG_JOINT = 'wrong joint'        # or one joint too many, or too few
 OTHER_VARIABLES = 'other variables'
 NO_VARIABLE = 'unknown without a variable'   # `time` where nothing else fits and nothing rings
 ALTERNATIVE = 'alternative only'
 SUSPECTED = 'suspected'
 CONFUSED = 'confused'
 MISSED = 'missed'
-RIGHT = (FOUND, BOTH, EXCLUDED)
+RIGHT = (FOUND, BOTH)
 # Sets of section 4 of the design that one recording may not tell apart.
 DESIGN_SETS = (
     {'gravity_spring', 'link_inertia'}, {'gravity_spring', 'cable_drag'},
@@ -24,56 +24,77 @@ DESIGN_SETS = (
 # And one more: an offset and a friction of unequal levels differ only at standstill, where
 # presliding hides either.
 INSEPARABLE = (*DESIGN_SETS, {'torque_offset', 'friction_asymmetry'})
+# Standard errors by which an alternative may be behind and still not be told from a finding.
+UNTOLD = 3.0
+# Share of its true value by which a swing's frequency may be off: a spectrum over ten seconds
+# tells 1 Hz from 1.1 Hz.
+FREQUENCY_OFF = 0.1
 
 
-def judge(result, strictly=False):
+def judge(result, widely=False):
     """
     Return ([outcome per hidden effect], [names of confirmed findings that none of them explains]).
 
     An outcome is {name, strength, outcome, joint_right}; a case that failed missed everything.
-    strictly: naming both is right for DESIGN_SETS only, not for what the tool itself says that
-    no motion separates.
+    widely: naming both is right not for DESIGN_SETS only, but for what the tool itself says that
+    no motion separates, too.
     """
     findings = result.get('findings', [])
     claimed = {k for effect in result['effects'] for k, finding in enumerate(findings)
-               if _belongs(finding, effect, result['kind'], strictly)}
+               if _belongs(finding, effect, widely)}
     false = [f['name'] for k, f in enumerate(findings)
              if f['verdict'] == CONFIRMED and k not in claimed]
     outcomes = [{'name': effect['name'], 'strength': effect['strength'],
                  # A case that failed kept nothing out of the model: it said nothing.
                  'outcome': MISSED if 'failed' in result
-                 else _outcome(effect, findings, result['kind'], false, strictly),
+                 else _outcome(effect, result, false, widely),
                  'joint_right': _joint_right(effect, findings)} for effect in result['effects']]
     return outcomes, false
 
 
+def kept_out(result):
+    """Tell whether nothing was taken for an effect of the arm that is none."""
+    return 'failed' not in result and not judge(result)[1]
+
+
+def naming(findings, effect):
+    """Return the first confirmed finding that names a hidden effect at its joints, or None."""
+    return next((f for f in findings if f['verdict'] == CONFIRMED and _here(f, effect)
+                 and f['name'] == _name(effect)), None)
+
+
+def _name(effect):
+    """Return what a report has to call a hidden effect."""
+    return UNKNOWN if effect['name'] in NOT_IN_VOCABULARY else effect['name']
+
+
 def _here(finding, effect):
-    """Tell whether a finding speaks of the effect's joint; arm-wide ones speak of every joint."""
-    return (not effect['joints'] or not finding['joints']
-            or bool(set(effect['joints']) & set(finding['joints'])))
+    """Tell whether a finding speaks of the effect's joints, all and no other; any for the arm."""
+    return not effect['joints'] or set(effect['joints']) == set(finding['joints'])
 
 
-def _alternatives(finding):
-    return {other['effect'] for other in finding['alternatives']}
-
-
-def _both_named(finding, name, strictly):
-    # Recordings may not tell some sets apart, and some pairs nothing can: then both are right.
-    if name not in _alternatives(finding) or not finding['advice']:
+def _both_named(finding, name, widely):
+    """Tell whether a finding names an effect as one that nobody could tell from it."""
+    if not finding['advice'] or not any(_untold(other, finding) for other
+                                        in finding['alternatives'] if other['effect'] == name):
         return False
-    if not strictly and finding['advice'].startswith(NO_MOTION):
+    if widely and finding['advice'].startswith(NO_MOTION):
         return True
-    sets = DESIGN_SETS if strictly else INSEPARABLE
+    sets = INSEPARABLE if widely else DESIGN_SETS
     return any({finding['name'], name} <= group for group in sets)
 
 
-def _belongs(finding, effect, kind, strictly):
+def _untold(other, finding):
+    """Tell whether the recordings do not tell an alternative from a finding at its joints."""
+    # What happened once has no standard error: nothing says that it could not be told.
+    close = other['std'] is not None and other['behind'] < UNTOLD * other['std']
+    return close and set(other['joints']) == set(finding['joints'])
+
+
+def _belongs(finding, effect, widely):
     """Tell whether a finding is about a hidden effect, and no false one."""
-    if not _here(finding, effect):
-        return False
-    if kind == OUTSIDE:
-        return finding['name'] == UNKNOWN
-    return finding['name'] == effect['name'] or _both_named(finding, effect['name'], strictly)
+    return _here(finding, effect) and (finding['name'] == _name(effect)
+                                       or _both_named(finding, effect['name'], widely))
 
 
 def _joint_right(effect, findings):
@@ -83,44 +104,48 @@ def _joint_right(effect, findings):
     return any(f['verdict'] == CONFIRMED and _here(f, effect) for f in findings)
 
 
-def _outcome(effect, findings, kind, false, strictly):
-    if kind == OUTSIDE:
-        return _outside(effect, findings, false)
-    if effect['name'] == CONTACT:
-        return _contact(findings, false)
-    name, confirmed = effect['name'], [f for f in findings if f['verdict'] == CONFIRMED]
+def _outcome(effect, result, false, widely):
+    if effect['name'] in NOT_IN_VOCABULARY:
+        return _outside(effect, result, false)
+    name, findings = effect['name'], result['findings']
+    confirmed = [f for f in findings if f['verdict'] == CONFIRMED]
     here = [f for f in confirmed if _here(f, effect)]
     tests = (
-        (FOUND, any(f['name'] == name for f in here)),
-        (BOTH, any(_both_named(f, name, strictly) for f in here)),
+        (FOUND, naming(findings, effect) is not None),
+        (BOTH, any(_both_named(f, name, widely) for f in here)),
         (WRONG_JOINT, any(f['name'] == name for f in confirmed)),
-        (ALTERNATIVE, any(name in _alternatives(f) for f in here)),
+        (ALTERNATIVE, any(name == other['effect'] for f in here for other in f['alternatives'])),
         (SUSPECTED, any(f['name'] == name and _here(f, effect) for f in findings)),
-        (CONFUSED, bool(false)))
+        (CONFUSED, bool(false)),
+        (EXCLUDED, name in FROM_OUTSIDE))
     return next((outcome for outcome, holds in tests if holds), MISSED)
 
 
-def _outside(effect, findings, false):
-    """Judge an effect that no model knows: `unknown`, with one of its variables named."""
-    unknown = [f for f in findings if f['name'] == UNKNOWN and _here(f, effect)]
-    words = NOT_IN_VOCABULARY[effect['name']]
-    if any(word in _variables(f) for f in unknown for word in words):
-        return CONFUSED if false else FOUND
-    if unknown:
+def _outside(effect, result, false):
+    """Judge an effect that no model knows: a confirmed `unknown` with its variable alone."""
+    unknown = [f for f in result['findings'] if f['name'] == UNKNOWN and _here(f, effect)]
+    right = [f for f in unknown if _variables(f) == [NOT_IN_VOCABULARY[effect['name']]]
+             and _rings_right(f, result['parameters'])]
+    if not unknown:
+        return CONFUSED if false else MISSED
+    if not right:
         return OTHER_VARIABLES if any(map(_variables, unknown)) else NO_VARIABLE
-    return CONFUSED if false else MISSED
+    if false:
+        return CONFUSED
+    return FOUND if any(f['verdict'] == CONFIRMED for f in right) else SUSPECTED
 
 
 def _variables(finding):
     """Return the variables a finding names; `time` only where it tells a rhythm too."""
     # Joints whose residual follows nothing are said to depend on time, whatever the cause: that
     # alone recognises nothing. A frequency is told only where the residual rings with it.
-    return ' '.join(variable.lower() for variable in finding['variables']
-                    if variable != 'time' or 'frequency' in finding['parameters'])
+    return [variable for variable in finding['variables']
+            if variable != 'time' or 'frequency' in finding['parameters']]
 
 
-def _contact(findings, false):
-    """Judge a contact: named, or at least not taken for an effect of the model."""
-    if false:
-        return CONFUSED
-    return FOUND if any(f['name'] == CONTACT for f in findings) else EXCLUDED
+def _rings_right(finding, figures):
+    """Tell whether a frequency [Hz] is the true one, where the plant has one."""
+    true = [figure['truth'] for figure in figures if figure['parameter'] == 'frequency']
+    told = finding['parameters'].get('frequency')
+    return not true or (told is not None
+                        and abs(told['mean'] - true[0]) <= FREQUENCY_OFF * true[0])

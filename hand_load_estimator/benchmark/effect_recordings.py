@@ -11,7 +11,7 @@ from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot
 from ..simulate_motions import named_motion
-from .cases import case_samples, draw_case, identification_evidence, simulated
+from .cases import case_run, draw_case, identification_evidence, simulated
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
 
@@ -27,7 +27,7 @@ _FIRST_MOTION = 4
 
 @dataclass(frozen=True)
 class Recordings:
-    """evidence, test: Evidence without load; loaded: (Case, MotionSamples) with known loads."""
+    """evidence, test: Evidence without load; loaded: (Case, CaseRun) with known loads."""
 
     evidence: tuple
     test: tuple
@@ -53,7 +53,7 @@ def record(robot, plant, effects=()):
              for k, part in enumerate(DIAGNOSED + TESTED)]
     drawn = [draw_case(robot, plant, seed) for seed in load_seeds(plant, LOADED)]
     return Recordings(tuple(parts[:len(DIAGNOSED)]), tuple(parts[len(DIAGNOSED):]),
-                      tuple((case, case_samples(robot, case, effects)) for case in drawn))
+                      tuple((case, case_run(robot, case, effects)) for case in drawn))
 
 
 def _evidence(robot, plant, k, name, temperature, seconds, effects):

@@ -4,9 +4,12 @@ from collections import Counter
 
 import numpy as np
 
-from .effect_cases import CLEAN, CONTACT, MEDIUM, OUTSIDE, PAIR, SINGLE
+from .effect_cases import CLEAN, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SINGLE
 from .effect_errors import MASS_MOMENTS
-from .effect_outcome import BOTH, FOUND, judge, RIGHT
+from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
+
+# Standard deviations within which a figure's truth is expected 95 times in 100.
+WITHIN = 2.0
 
 
 def measured(results):
@@ -81,14 +84,24 @@ def _errors(group):
 
 
 def _parameter_errors(group):
-    """Return {parameter: median |estimate - truth| / |truth|} of the effects found."""
-    errors = {}
+    """
+    Return {parameter: {error, within, stated, found}} of the effects found.
+
+    error: median |estimate - truth| / |truth|; found: figures; stated: those with a standard
+    deviation; within: those of them that lie within WITHIN of it of the truth.
+    """
+    figures = {}
     for result in group:
         (effect,), _ = judge(result)
         for figure in result['parameters'] if effect['outcome'] == FOUND else ():
-            error = abs(figure['estimate'] - figure['truth']) / max(abs(figure['truth']), 1e-12)
-            errors.setdefault(figure['parameter'], []).append(error)
-    return {name: float(np.median(values)) for name, values in errors.items()}
+            off = abs(figure['estimate'] - figure['truth'])
+            figures.setdefault(figure['parameter'], []).append(
+                (off / max(abs(figure['truth']), 1e-12), off, figure['std']))
+    return {name: {'error': float(np.median([share for share, _, _ in those])),
+                   'found': len(those), 'stated': sum(std is not None for *_, std in those),
+                   'within': sum(std is not None and off <= WITHIN * std
+                                 for _, off, std in those)}
+            for name, those in figures.items()}
 
 
 def confusions(results):
@@ -112,20 +125,24 @@ def pair_rows(results):
 
 
 def _medium(results):
-    """Return the single cases that the goals speak of, contacts apart from effects."""
-    single = [r for r in _of_kind(tried(results), SINGLE)
-              if r['effects'][0]['strength'] >= MEDIUM]
-    return [r for r in single if r['effects'][0]['name'] != CONTACT]
+    """Return the single cases that the goals speak of."""
+    return [r for r in _of_kind(tried(results), SINGLE)
+            if r['effects'][0]['strength'] >= MEDIUM]
+
+
+def _from_outside(result):
+    return result['effects'][0]['name'] in FROM_OUTSIDE
 
 
 def totals(results):
     """Return the counts and ratios that the goals speak of."""
-    contact = [r for r in _of_kind(tried(results), SINGLE) if r['effects'][0]['name'] == CONTACT]
+    outside = [r for r in _of_kind(tried(results), SINGLE) if _from_outside(r)]
     effects = _medium(results)
-    ran = measured(effects)
+    ran = [r for r in measured(effects) if not _from_outside(r)]
     return {
-        'single': _right(effects), 'single_strictly': _right(effects, strictly=True),
-        'contact': _right(contact),
+        'single': _right(effects), 'single_alone': _right(effects, alone=True),
+        'single_widely': _right(effects, widely=True),
+        'kept_out': [len(outside), sum(map(kept_out, outside))],
         'pairs': _right(_of_kind(tried(results), PAIR)),
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
         'clean': [len(_of_kind(measured(results), CLEAN)),
@@ -153,14 +170,14 @@ def _ratios(result):
                           for when in ('before', 'after', 'without')}}
 
 
-def strictness(results):
-    """Return {(hidden effect, confirmed one): cases} that the strict count takes for wrong."""
+def only_widely(results):
+    """Return {(hidden effect, confirmed one): cases} that only the wide count takes for right."""
     pairs = Counter()
     for result in _medium(results):
-        (loose,), _ = judge(result)
-        (strict,), false = judge(result, strictly=True)
-        if loose['outcome'] in RIGHT and strict['outcome'] not in RIGHT:
-            pairs.update((loose['name'], name) for name in set(false))
+        (wide,), beside = judge(result, widely=True)
+        (effect,), false = judge(result)
+        if wide['outcome'] in RIGHT and effect['outcome'] not in RIGHT:
+            pairs.update((wide['name'], name) for name in set(false) - set(beside))
     return dict(pairs)
 
 
@@ -179,7 +196,9 @@ def not_tried(results, cases):
     return list(out.items())
 
 
-def _right(results, strictly=False):
-    """Return [cases, cases in which every hidden effect is right]."""
-    right = [all(e['outcome'] in RIGHT for e in judge(r, strictly)[0]) for r in results]
+def _right(results, widely=False, alone=False):
+    """Return [cases, those in which every hidden effect is right]; alone: and nothing false."""
+    judged = [judge(result, widely) for result in results]
+    right = [all(e['outcome'] in RIGHT for e in effects) and not (alone and false)
+             for effects, false in judged]
     return [len(right), int(sum(right))]

@@ -54,7 +54,15 @@ def _periods(plant, joint):
     return float(np.argmax(spectrum[1:]) + 1) if spectrum.any() else 0.0
 
 
-# effect: {parameter of the model: the same of the plant}. Effects whose form differs in the two
+def _held_mass(plant, _):
+    return sum(held.load.mass for held in plant.truth.held)
+
+
+def _swing(plant, _):
+    return sum(force.frequency for force in plant.truth.forces)
+
+
+# effect: {parameter of the report: the same of the plant}. Effects whose form differs in the two
 # (cable, backlash, asymmetry, a point mass against ten products) have no common figure.
 COMPARABLE = {
     'rotor_inertia': {'inertia': _of_joint('rotor')},
@@ -71,7 +79,10 @@ COMPARABLE = {
     'torque_scale': {'gain': _gain},
     'torque_scale_temperature': {'slope': _of_joint('effort_gain_slope')},
     'torque_offset': {'level': _of_joint('effort_offset')},
-    'time_delay': {'delay': _of_joint('effort_delay')}}
+    'time_delay': {'delay': _of_joint('effort_delay')},
+    'load_change': {'mass': _held_mass}, 'swinging_load': {'frequency': _swing}}
+# No part of the model: what is said of them stands in the report only.
+IN_REPORT_ONLY = ('load_change', 'swinging_load')
 
 
 def true_change(robot, plant_seed, entry):
@@ -85,10 +96,23 @@ def true_change(robot, plant_seed, entry):
 
 def model_change(robot, before, after, entry):
     """Return {parameter: value} by which two TorqueModels differ in the effect of an entry."""
+    if entry['name'] in IN_REPORT_ONLY:
+        return {}
     joint = _joint_of(robot, entry)
     old, new = (_figures(model, entry['name'], joint) for model in (before, after))
     return {name: new.get(name, 0.0) - old.get(name, 0.0)
             for name in COMPARABLE.get(entry['name'], {})}
+
+
+def stated(finding, parameter):
+    """
+    Return (mean, std) that a finding of report.json states of a parameter; None where it has none.
+
+    Of what the model had before, the report states the change beside the new value.
+    """
+    told = finding['parameters']
+    figure = told.get(f'change_of_{parameter}', told.get(parameter))
+    return (None, None) if figure is None else (figure['mean'], figure['std'])
 
 
 def _joint_of(robot, entry):

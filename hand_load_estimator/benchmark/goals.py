@@ -5,12 +5,12 @@ from itertools import product
 from math import isfinite
 
 from ..load import MESSAGE_ORDER
-from .contestants import DEFAULT, NOMINAL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
+from .changes import CHANGES, PLANTS
+from .contestants import DEFAULT, NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
 from .document import Table
+from .suites import SUITES
 
 NOT_MEASURED = 'not measured'
-# The coverage goal counts from here on.
-ENOUGH_CASES, ENOUGH_PLANTS = 2000, 40
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,9 @@ def _coverage_rows(base):
         return [GoalRow(*first), GoalRow(*second)]
     low, high = _range(base)
     counts = base.overview
-    enough = counts['scored'] >= ENOUGH_CASES and counts['plants'] >= ENOUGH_PLANTS
-    told = f'{low:.1f} to {high:.1f} % ({counts["scored"]} cases, {counts["plants"]} plants'
+    told = f'{low:.1f} to {high:.1f} % ({counts["scored"]} cases, {counts["plants"]} plants)'
     width = max(e['width_over_bound'][m] for e in base.at.values() for m in MESSAGE_ORDER)
-    return [GoalRow(*first, told + (')' if enough else '; too few to count)'),
-                    bool(enough and low >= 93.0 and high <= 97.0)),
+    return [GoalRow(*first, told, bool(low >= 93.0 and high <= 97.0)),
             _limit(*second, width, 3.0, '')]
 
 
@@ -129,9 +127,20 @@ def _rival_rows(base):
         if base is None or not all(name in base.scores for name in names):
             out.append(GoalRow(what, wanted))
             continue
-        ratio = min(base.mass('1 s', name=name) for name in names) / base.mass('1 s')
-        out.append(GoalRow(what, wanted, f'{ratio:.1f} x', bool(ratio >= factor)))
+        rival, ours = min(base.mass('1 s', name=name) for name in names), base.mass('1 s')
+        ratio = rival / ours
+        out.append(GoalRow(what, wanted, f'{ratio:.1f} x{_merit(base, rival, ours)}',
+                           bool(ratio >= factor)))
     return out
+
+
+def _merit(base, rival, ours):
+    """Return in words which part of a rival's ratio the torque model has and which the method."""
+    if OUR_MODEL not in base.scores:
+        return ''
+    between = base.mass('1 s', name=OUR_MODEL)
+    return (f': torque model {rival / between:.1f} x, method {between / ours:.1f} x (least '
+            'squares on our model over ours)')
 
 
 def _network_rows(base):
@@ -165,24 +174,30 @@ def _mismatch_rows(base):
 
 
 def _change_rows(content):
-    seen = ('load change: 95th percentile of the delay after motion', '<= 0.2 s, none missed')
+    seen = ('load change: 95th percentile of the delay after motion',
+            '<= 0.2 s, none missed or early')
+    found = (content or {}).get('methods', {}).get(DEFAULT)
+    return [GoalRow(*seen, *_delay(found)) if found else GoalRow(*seen)]
+
+
+def _alarm_rows(content):
     false = ('false load changes while running from cold', '< 1 per 10 h')
     found = (content or {}).get('methods', {}).get(DEFAULT)
     if not found:
-        return [GoalRow(*seen), GoalRow(*false)]
+        return [GoalRow(*false)]
     hours, count = found['hours'], found['false_alarms']
     told = f'{count} in {hours:.1f} h' + ('' if hours >= 10.0 else '; too few to count')
-    return [GoalRow(*seen, *_delay(found)),
-            GoalRow(*false, told, bool(hours >= 10.0 and 10.0 * count / hours < 1.0))]
+    return [GoalRow(*false, told, bool(hours >= 10.0 and 10.0 * count / hours < 1.0))]
 
 
 def _delay(found):
     """Return what is told of the delay of load changes, and whether the goal is reached."""
-    missed = f'{found["missed"]} of {found["changes"]} missed'
+    told = (f'{found["missed"]} of {found["changes"]} missed ({found["wrong"]} seen with another '
+            f'load at the end), {found["too_early"]} early, {found["extra"]} counted again')
     if not found['changes'] > found['missed']:
-        return missed, False
-    return (f'{found["delay_p95"]:.2f} s (median {found["delay_median"]:.2f}), {missed}',
-            bool(found['delay_p95'] <= 0.2 and not found['missed']))
+        return told, False
+    good = found['delay_p95'] <= 0.2 and not found['missed'] and not found['too_early']
+    return f'{found["delay_p95"]:.2f} s (median {found["delay_median"]:.2f}), {told}', bool(good)
 
 
 def _cold_rows(cold, warm):
@@ -208,12 +223,21 @@ def _soak_rows(content):
     return [GoalRow(what, wanted, told, bool(good))]
 
 
-# What is judged on which suites' runs, in the order of the table.
+def _own(name):
+    """Return cases and plants of a suite that nobody cut short."""
+    return SUITES[name].count, SUITES[name].plants
+
+
+# What is judged on which suites' runs, in the order of the table, and how many cases and plants
+# a goal takes to be reached; None where cases are not what is counted.
 _JUDGED = (
-    (('base',), _mass_rows), (('inertia',), _inertia_rows), (('base',), _coverage_rows),
-    (('undeclared',), _undeclared_rows), (('base',), _rival_rows), (('base',), _network_rows),
-    (('cost',), _cost_rows), (('base',), _mismatch_rows), (('changes',), _change_rows),
-    (('cold', 'warm'), _cold_rows), (('soak',), _soak_rows))
+    (('base',), _mass_rows, _own('base')), (('inertia',), _inertia_rows, _own('inertia')),
+    (('base',), _coverage_rows, (2000, 40)),
+    (('undeclared',), _undeclared_rows, _own('undeclared')),
+    (('base',), _rival_rows, _own('base')), (('base',), _network_rows, _own('base')),
+    (('cost',), _cost_rows, None), (('base',), _mismatch_rows, _own('base')),
+    (('changes',), _change_rows, (CHANGES, PLANTS)), (('changes',), _alarm_rows, None),
+    (('cold', 'warm'), _cold_rows, _own('cold')), (('soak',), _soak_rows, None))
 _ON_ACCURACY = ('base', 'undeclared', 'cold', 'warm')
 
 
@@ -223,24 +247,40 @@ def goal_rows(runs):
 
     runs: (name, content of scores.json) of any runs of any suites. The default method's figures
     count, except where a row says otherwise; of several runs of a suite, those of the one with
-    most cases that measured the goal.
+    most cases (or hours) that measured the goal.
     """
-    runs, out = sorted(runs, key=lambda run: -_size(run[1])), []
-    for suites, judge in _JUDGED:
+    out = []
+    for suites, judge, enough in _JUDGED:
+        runs = sorted(runs, key=lambda run: -(_cases(run[1])[0] if enough else _hours(run[1])))
         rows = judge(*[None] * len(suites))
         for chosen in product(*([r for r in runs if r[1]['suite'] == s] for s in suites)):
             names = tuple(name for name, _ in chosen)
             judged = judge(*(_usable(c) if c['suite'] in _ON_ACCURACY else c for _, c in chosen))
+            if enough:
+                judged = [_counted(row, [_cases(c) for _, c in chosen], enough) for row in judged]
             rows = [replace(new, runs=names) if old.reached is None and new.reached is not None
                     else old for old, new in zip(rows, judged)]
         out += rows
     return out
 
 
-def _size(content):
-    """Return how much a run measured: its cases, or its hours of running."""
-    if 'overview' in content:
-        return content['overview']['scored']
+def _counted(row, measured, enough):
+    """Return a GoalRow, not reached where a run's cases or plants are fewer than enough."""
+    if row.reached is None or all(has >= need for found in measured
+                                  for has, need in zip(found, enough)):
+        return row
+    return replace(row, reached=False, measured=f'{row.measured}; fewer than {enough[0]} cases '
+                   f'from {enough[1]} plants: too few to count')
+
+
+def _cases(content):
+    """Return how many cases a run scored, and of how many plants."""
+    counts = content.get('overview', {'scored': 0, 'plants': 0})
+    return counts['scored'], counts['plants']
+
+
+def _hours(content):
+    """Return the hours of running of a run."""
     hours = [found['hours'] for found in content.get('methods', {}).values() if 'hours' in found]
     return max(hours, default=content.get('hours', 0.0))
 

@@ -2,20 +2,21 @@
 
 import atexit
 from functools import lru_cache
+from pathlib import Path
 import shutil
 import tempfile
 
 import numpy as np
 
 from ..estimators.build import determined_std
-from ..estimators.registry import ON_DIFFERENCE
 from ..identification import identify, nominal_model
 from ..learning.learn_difference import learn_difference
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
-from .cases import case_samples, identification_evidence, motion_start
-from .contestants import chosen_methods, contestants, cost_of, DEFAULT, REGRESSOR, RegressorClock
+from .cases import case_run, identification_evidence
+from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, REGRESSOR,
+                          RegressorClock)
 from .offline import offline_beliefs
 from .rivals import COULOMB_VISCOUS
 from .suites import SUITES
@@ -25,33 +26,33 @@ MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 RATE = 500.0                              # [Hz] of the simulated joint states
 
 
-def plant_models(robot, plant, difference=None):
+def plant_models(robot, plant, functions=(), folder=None):
     """
     Return the models of one plant: ours, the textbook one, the nominal one.
 
-    difference: a folder to write what ours leaves without load into, or None.
+    functions: names of PREDICTORS that learn, each into a folder of its own below `folder`, what
+    ours leaves without load; {function: folder} is the entry `difference`.
     """
     evidence = identification_evidence(robot, plant)
     noise = Plant(robot, seed=plant).noise
     models = {'ours': identify(robot, evidence),
               'textbook': identify(robot, evidence, COULOMB_VISCOUS),
               'nominal': nominal_model(robot, noise ** 2 / RATE)}
-    if difference:
-        learn_difference(difference, models['ours'], evidence)
-        models['difference'] = difference
+    for function in functions:
+        learn_difference(Path(folder) / function, models['ours'], evidence, function)
+    if functions:
+        models['difference'] = {name: Path(folder) / name for name in functions}
     return models
 
 
 # Suites share plants: one process often meets the same plant again.
 @lru_cache(maxsize=2)
-def robot_and_models(robot_path, plant, with_difference):
-    """Return the Robot of a file and the models of one plant seed."""
+def robot_and_models(robot_path, plant, functions):
+    """Return the Robot of a file and the plant_models of one plant seed."""
     robot = load_robot(robot_path)
-    if not with_difference:
-        return robot, plant_models(robot, plant)
     folder = tempfile.mkdtemp(prefix='hand_load_')
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return robot, plant_models(robot, plant, difference=folder)
+    return robot, plant_models(robot, plant, functions, folder)
 
 
 def run_case(robot, case, models, learned=None, methods=None, rivals=()):
@@ -60,8 +61,8 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
 
     methods: names of ours (None: all); rivals: names of offline ones.
     """
-    samples = case_samples(robot, case)
-    start = motion_start(robot, samples)
+    run = case_run(robot, case)
+    samples, start = run.samples, run.start
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
     racing = contestants(robot, models, chosen_methods(methods), learned)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}
@@ -102,8 +103,7 @@ def measure_plant(suite, robot_path, plant, case_seeds, learned, methods, rivals
 
     Offline rivals take part in the plant's first case only: they are slow and do not learn.
     """
-    robot, models = robot_and_models(robot_path, plant,
-                                     not ON_DIFFERENCE.isdisjoint(chosen_methods(methods)))
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods))
     return [run_case(robot, SUITES[suite].draw(robot, plant, seed), models, learned, methods,
                      rivals if k == 0 else ())
             for k, seed in enumerate(case_seeds)]

@@ -5,10 +5,11 @@ import numpy as np
 from ..load import MESSAGE_ORDER
 from .contestants import BLIND, DEFAULT, FIXED, REGRESSOR, WITHOUT_NETWORK
 from .document import Heading, Picture, Table, Text
+from .hidden_scores import hidden_blocks
 from .measure import TIMES
 
 
-def _leading(scores):
+def leading(scores):
     """Return the method the page is about: the default, or the first where it has no place."""
     return DEFAULT if DEFAULT in scores else next(iter(scores))
 
@@ -20,10 +21,10 @@ def _times(scores):
 def _mass_table(scores):
     rows = [[name, *(f'{1e3 * entry["mass"]["rmse"]:.0f}' for entry in entries)]
             for name, entries in scores.items()]
-    leading = _leading(scores)
-    ours = scores[leading]
+    name = leading(scores)
+    ours = scores[name]
     rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in ours)])
-    rows.append([f'`{leading}` over the bound', *(
+    rows.append([f'`{name}` over the bound', *(
         f'{e["mass"]["rmse"] / e["bound_mass_rmse"]:.1f}' for e in ours)])
     return Table(['mass RMSE [g] after', *_times(scores)], rows)
 
@@ -165,8 +166,9 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
             [what, goal, value, 'yes' if good else '**no**']
             for what, goal, value, good in verdict_rows]))
     return [*out, mass_picture(scores), _mass_table(scores), _percent_table(scores),
-            _com_table(scores), _inertia_table(scores[_leading(scores)]),
+            _com_table(scores), _inertia_table(scores[leading(scores)]),
             *_determined_blocks(content.get('inertia')), *_network_blocks(content.get('network')),
+            *hidden_blocks(content.get('hidden'), leading(scores)),
             *_offline_blocks(content.get('offline')), *_interval_blocks(scores),
             *([Heading('Trust'), _trust_table(counts)] if counts.get('mismatch') else []),
             *_cost_blocks(counts)]

@@ -14,8 +14,8 @@ from ..recording import read_recording
 from ..robot import load_robot
 from ..shared_files import find_shared
 from .cases import motion_start
-from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, TEXTBOOK,
-                          TEXTBOOK_CAREFUL)
+from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, OUR_MODEL,
+                          TEXTBOOK, TEXTBOOK_CAREFUL)
 from .real_robots import ARMS, write_robot_file
 from .real_sets import SETS, stage
 from .rivals import COULOMB_VISCOUS, LeastSquares
@@ -67,21 +67,23 @@ def measure_set(name, data, folder, methods):
 
 def _evidence(robot, recording):
     motion, _ = motion_of(robot, recording)
-    return prepare(robot, recording.path.name, motion, recording.load or LoadParameters())
+    return prepare(robot, recording.path.name, motion, recording.load or LoadParameters(),
+                   recording)
 
 
 def _racing(models, methods):
-    textbook, nominal = models['textbook'], models['nominal']
-    return {**our_contestants(models['ours'], chosen_methods(methods), None),
+    ours, textbook, nominal = models['ours'], models['textbook'], models['nominal']
+    return {**our_contestants(ours, chosen_methods(methods), None),
             TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, False)),
             TEXTBOOK_CAREFUL: Contestant(textbook, lambda f: LeastSquares(textbook, True)),
+            OUR_MODEL: Contestant(ours, lambda f: LeastSquares(ours, True)),
             NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, False))}
 
 
 def _beliefs(robot, models, recording, methods):
     """Return {method: [[mass, std] or None at each of MOMENTS]} along a recording."""
     samples = [s for s in motion_samples(JointStream(robot), recording) if not s.fresh]
-    start, racing = motion_start(robot, samples), _racing(models, methods)
+    start, racing = motion_start(robot, recording.samples), _racing(models, methods)
     out, due = {name: [None] * len(MOMENTS) for name in racing}, list(enumerate(TIMES))
     if start is None:
         return out

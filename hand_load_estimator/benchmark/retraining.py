@@ -11,7 +11,7 @@ from ..learning.artefact import CARD, read_artefact
 from ..learning.training import FINE_TUNING, Recipe, train
 from ..model_file import write_model
 from ..robot import load_robot
-from .cases import Case, case_samples, draw_case, motion_start
+from .cases import Case, case_run, draw_case
 from .contestants import DEFAULT, our_contestants, WITHOUT_NETWORK
 from .effect_cases import EffectCase, Hidden, load_seeds, place, SINGLE
 from .effect_measure import diagnosis_of, prepared
@@ -97,12 +97,11 @@ def _case(robot, plant, seed, entries):
 
 def _answers(robot, case, racing):
     """Return {choice: (moments, 2, 10)} of one run, None where the arm moved too briefly."""
-    samples = case_samples(robot, case)
-    start = motion_start(robot, samples)
-    if start is None or samples[-1].stamp < start + TIMES[-1]:
+    run = case_run(robot, case)
+    if run.start is None or run.samples[-1].stamp < run.start + TIMES[-1]:
         return None
     return {choice: _rows(next(iter(our_contestants(model, (method,), learned).values())),
-                          samples, start)
+                          run.samples, run.start)
             for choice, (model, method, learned) in racing.items()}
 
 

@@ -4,7 +4,8 @@ The baselines every table shows beside us, as a careful user would write them.
 Both regress the torque difference on the ten products with the same weak prior, weighing joints
 by their noise: one on the robot file's nominal model, recursively, sample by sample; the other on
 a model identified from the same recordings with Coulomb and viscous friction, once with every
-sample and once leaving out joints that stand still.
+sample and once leaving out joints that stand still. The latter looks through our torque model
+too: beside it stands what our method adds to the model.
 """
 
 import numpy as np

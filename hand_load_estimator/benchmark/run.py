@@ -8,24 +8,26 @@ import subprocess
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
-from ..estimators.registry import ON_DIFFERENCE
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
 from ..shared_files import find_shared
+from . import pushes, suggestion
 from .arms import ARMS, friction_told, urdf_of, write_arm
-from .changes import change_jobs, change_scores, measure_job
-from .contestants import chosen_methods, DEFAULT
+from .change_scores import change_scores
+from .changes import change_jobs, CHANGES, measure_job
+from .contestants import chosen_methods, DEFAULT, FUNCTION, ON_FUNCTION
 from .cost import cost_jobs, cost_scores, measure_cost
 from .document import Heading, Text, write_pages
 from .effect_cases import plants_of
 from .execute import measure_all, PROCESSES
 from .goals import goal_rows, goal_table
+from .hidden_scores import hidden_scores
 from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
 from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
                           soak_blocks)
-from .page import suite_blocks
+from .page import leading, suite_blocks
 from .real import measure_set, real_jobs, real_scores
 from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
@@ -36,7 +38,7 @@ from .suites import cases_of, SUITES
 SCHEMA = 'hand_load/benchmark/1'
 # Suites that are no accuracy suite on one simulated arm.
 ARM_SUITES = tuple(f'arms-{name}' for name in ARMS)
-OTHERS = ('changes', 'real', 'cost', 'soak', 'retraining')
+OTHERS = ('changes', 'suggestion', 'pushes', 'real', 'cost', 'soak', 'retraining')
 # `all` is everything the goals need; `development` is for looking, `effects` and `retraining`
 # judge diagnosis and what follows from it.
 ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES,
@@ -153,6 +155,8 @@ def _accuracy(name, robot_path, options, raw, write):
     scores = score(results, robot.rated_load.mass)
     content = {'overview': overview(results), 'scores': scores,
                'inertia': inertia_scores(results) if name == 'inertia' else {},
+               'hidden': (hidden_scores(results, leading(scores)) if name == 'undeclared'
+                          else {}),
                'network': network_shares(scores), 'offline': offline_scores(results),
                'failed': len(jobs) - len(found),
                'fell_back': [m for m in chosen_methods(options.methods) if m not in scores]}
@@ -174,21 +178,34 @@ def _other(name, robot_path, options, raw, write):
     """Return content and blocks of a suite that is no accuracy suite."""
     run = (options.workers, options.backend, write)
     # Without a torque difference learned for the model of each plant or recording.
-    left_out = [m for m in chosen_methods(options.methods) if m in ON_DIFFERENCE]
+    left_out = [m for m in chosen_methods(options.methods) if m in FUNCTION]
     if name == 'changes':
-        jobs = change_jobs(str(robot_path), options.cases or 40,
+        jobs = change_jobs(str(robot_path), options.cases or CHANGES,
                            10.0 if options.hours is None else options.hours, options.learned,
                            options.methods, options.development)
         found = _some(measure_all(measure_job, jobs, raw, *run), raw)
         return {**change_scores(found), 'left_out': left_out}, change_blocks
+    if name == 'suggestion':
+        method = chosen_methods(options.methods)[0]
+        jobs = suggestion.suggestion_jobs(
+            str(robot_path), options.cases or suggestion.CASES, method, options.learned,
+            options.development)
+        found = _some(measure_all(suggestion.measure_suggestion, jobs, raw, *run), raw)
+        return suggestion.suggestion_scores(found, method), suggestion.suggestion_blocks
+    if name == 'pushes':
+        jobs = pushes.push_jobs(str(robot_path), options.cases or pushes.CASES, options.learned,
+                                options.methods, options.development)
+        found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
+        return {**pushes.push_scores(found), 'left_out': left_out}, pushes.push_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods)
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)
         return {**real_scores(found), 'left_out': left_out}, real_blocks
     if name == 'cost':
         jobs = cost_jobs(options.robot, options.learned, options.methods)
-        content = cost_scores(_some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw))
-        return content, cost_blocks
+        found = _some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw)
+        left_out = [m for m in left_out if m in ON_FUNCTION]
+        return {**cost_scores(found), 'left_out': left_out}, cost_blocks
     if name == 'retraining':
         jobs = retraining_jobs(robot_path, plants_of(options.development), options.learned,
                                raw, options.cases)

@@ -9,13 +9,17 @@ from .. import seeds
 from ..errors import ConfigurationError
 from ..plant.hidden import EFFECTS
 from .cases import Case, draw_case, draw_load
-from .effect_cases import EffectCase, Hidden, place, SINGLE
+from .effect_cases import EffectCase, Hidden, LOAD_CHANGE, place, SINGLE
 from .wrist_swing import WRIST_SWING
 
 # From this many cases on (the default method's coverage) plants are as many as here.
 MANY_PLANTS = 50
 CASES_PER_PLANT = 4
+# Each hidden effect's turn comes so often in the undeclared suite.
+CASES_PER_EFFECT = 4
 UNDECLARED_STRENGTH = 2.0
+# With another load in the hand than a case says, the case would be wrong and not the method.
+UNDECLARED = [name for name in EFFECTS if name != LOAD_CHANGE]
 # Loads of the inertia suite, for a rated load of 12.5 kg: mass [kg], half axes [m].
 _HEAVY, _WIDE = (6.0, 10.0), (0.15, 0.2)
 
@@ -53,8 +57,8 @@ def draw_undeclared_case(robot, plant, seed):
     """
     case = draw_case(robot, plant, seed)
     joints = tuple(int(j) for j in np.random.default_rng([seed, 5]).permutation(robot.n))
-    names, first = list(EFFECTS), seed % len(EFFECTS)
-    for name in names[first:] + names[:first]:
+    first = seed % len(UNDECLARED)
+    for name in UNDECLARED[first:] + UNDECLARED[:first]:
         order = joints if EFFECTS[name].per_joint else ()
         hidden = Hidden(name, UNDECLARED_STRENGTH, order)
         try:
@@ -79,20 +83,23 @@ SUITES = {
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
                         'joint of the arm can have it so strong, the next one)',
-                        draw_undeclared_case)}
+                        draw_undeclared_case, CASES_PER_EFFECT * len(EFFECTS), 11)}
 
 
 def cases_of(suite, count=None, development=False):
     """
     Return (plant seed, [case seeds]) of `count` cases of a Suite, plant by plant.
 
-    development: on seeds for looking and choosing instead of the benchmark's.
+    development: on seeds for looking and choosing instead of the benchmark's. More cases than the
+    suite has by itself are on seeds that no smaller run has seen.
     """
     count = suite.count if count is None else count
     many = suite.plants if count <= suite.count else max(suite.plants, MANY_PLANTS)
     plants, own = suite.plant_seeds, suite.case_seeds
     if development:
         plants, own = seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES
+    elif count > suite.count and own == seeds.BENCHMARK_CASES:
+        plants, own = seeds.FINAL_PLANTS, seeds.FINAL_CASES
     # A plant's identification costs as much as several cases: few cases share one.
     many = min(many, -(-count // CASES_PER_PLANT), len(plants))
     each = -(-count // many)

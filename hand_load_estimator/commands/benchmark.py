@@ -22,9 +22,10 @@ def add_arguments(parser):
                              'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
-                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, real, '
-                             'cost, soak, retraining (the artefact beside a better model), or '
-                             'several of them with commas; all (but for retraining); or effects '
+                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, '
+                             'suggestion (following suggested motions), pushes (on the hand), '
+                             'real, cost, soak, retraining (the artefact beside a better '
+                             'model), or several of them with commas; all (but for retraining); or effects '
                              '(diagnosis of undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
@@ -32,10 +33,13 @@ def add_arguments(parser):
                         help='learned artefact, or the name of a shipped one (default: the one '
                              'shipped for the robot); not for effects')
     parser.add_argument('--cases', default=None, type=int, metavar='N',
-                        help='cases per suite (default: 200 of base, 40 of others); from more '
-                             'than its own on, a suite takes 50 plants')
+                        help='cases per suite (default: 200 of base, 4 per effect of '
+                             'undeclared, 12 of suggestion, 8 of pushes, 40 of others); from '
+                             'more than its own on, an accuracy suite takes 50 plants, on '
+                             'seeds that smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
-                        help='methods to measure (default: all)')
+                        help='methods to measure, and gp_bayes_neural_process, '
+                             'gp_bayes_distilled, gp_bayes_bayesian_network (default: all)')
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
                         help='offline rivals beside us: mujoco.sysid, figaroh (default: none; '
                              'each needs its package)')

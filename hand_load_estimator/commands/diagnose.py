@@ -75,7 +75,7 @@ def _read(model, path, args, given):
     recording = read_recording(path, **topics(args))
     load = given if given is not None else known_load(recording)
     motion, rejected = motion_of(model.robot, recording)
-    evidence = prepare(model.robot, Path(path).name, motion, load)
+    evidence = prepare(model.robot, Path(path).name, motion, load, recording)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
     return evidence, recording, load
 

@@ -31,15 +31,17 @@ def read_evidence(robot, args):
     from ..joint_stream import motion_of
     from ..load_file import load_of_argument
     from ..recording import read_recording
+    from ..recording_mark import refuse_repeats
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = []
     for path in args.recordings:
         recording = read_recording(path, **topics(args))
         load = given if given is not None else known_load(recording)
         motion, rejected = motion_of(robot, recording)
-        evidence.append(prepare(robot, Path(path).name, motion, load))
+        evidence.append(prepare(robot, Path(path).name, motion, load, recording))
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
              f'{sum(rejected.values())}')
+    refuse_repeats(evidence)
     return evidence
 
 

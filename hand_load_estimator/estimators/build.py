@@ -10,6 +10,7 @@ from ..learning.artefact import CARD, NETWORK, network_of
 from ..model_file import model_digest, read_model
 from ..model_follower import ModelFollower
 from ..robot import load_robot
+from ..same_arm import arm_difference
 from ..shared_files import find_shared, share_folder
 from ..tool import read_tool, ToolFollower
 from .pipeline import Pipeline
@@ -95,14 +96,19 @@ def _check_robot(model, path, robot):
             f'model {path}', 'belongs to another robot',
             f'{own.name}: {", ".join(own.joints)}; {own.effort.kind}',
             f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
+    apart = arm_difference(own, robot)
+    if apart:
+        raise ConfigurationError(
+            f'model {path}', 'belongs to another robot', f'{own.name}: {apart}',
+            f'{robot.name}, calibrated or not', 'identify a model of this one')
 
 
 def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, tool_path=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
 
-    robot_path: robot file the model must belong to, by joints and effort kind, or None;
-    tool_path: load file of a known tool, or None: the estimate is what is held beside it.
+    robot_path: robot file the model must belong to, by joints, where they lie and effort kind, or
+    None; tool_path: load file of a known tool, or None: the estimate is what is held beside it.
     """
     model_file = find_shared(model_path, 'models')
     model = read_model(model_file)

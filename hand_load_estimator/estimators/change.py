@@ -83,9 +83,9 @@ class RecentData:
         """Return the Information of everything kept."""
         return self._closed.plus(self._open)
 
-    def without_newest(self):
-        """Return the Information of all but the open piece and the shorter window."""
-        return self._sum(self.older, list(self.pieces)[:-min(WINDOWS)])
+    def without_newest(self, count):
+        """Return the Information of all but the open piece and the last `count` pieces."""
+        return self._sum(self.older, list(self.pieces)[:-count])
 
     def split(self, count):
         """Return (older, recent) with the last `count` pieces as recent, or None."""

@@ -13,6 +13,7 @@ from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, SHIFT, SPREAD
 from ..load import message_from_shape
+from ..presliding import doubt_after
 from .contact_gate import ContactGate
 from .information import message_covariance
 from .load_prior import load_prior
@@ -22,6 +23,10 @@ from .regression import LoadRegression
 from .rest_watch import RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
+
+# Doubt about the friction of an arm that has stood longer [s] than the rests of training: what the
+# network has not seen it is not asked about, and time stands still for it.
+RESTED = doubt_after(1.0)
 
 
 def _part(state, name):
@@ -138,10 +143,11 @@ class Lstm(Watching):
             self._restart()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
-        correction, self._shift, self._spread = self._cell.step(
-            self._features(sample, prediction, load))
+        features_now = self._features(sample, prediction, load)
+        if prediction.doubt.min() < RESTED:
+            self._correction, self._shift, self._spread = self._cell.step(features_now)
         weights = sample.dt / prediction.density
-        self._learned.add(sample, columns, prediction.difference - correction * self._level,
+        self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
                           weights)
         self._learned.update_posterior()
         # The plain regression only serves the next innovation.
@@ -162,7 +168,7 @@ class Lstm(Watching):
             # At a renewal there is enough to do.
             self._plain.look_for_change()
         if self._plain.changes > changes:
-            self._learned.begin_anew(self._plain.last_change)
+            self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
             self._restart()
 
     def _take_back(self, stamp):
@@ -221,6 +227,7 @@ class Lstm(Watching):
         self._rest.restart()
         self._slow = SlowResidual(self._robot.n)
         self._count, self._unsettled = 0, None
+        self._correction = np.zeros(self._robot.n)
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._renew()
 

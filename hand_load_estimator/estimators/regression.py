@@ -26,8 +26,9 @@ class LoadRegression:
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; load_share: as of Residuals, which the model's
     variances were scaled by; watch: look for load changes in motion.
-    changes counts load changes; last_change is the stamp of the newest, or None. change (10, 10):
-    covariance of what the products may change by when the load does.
+    changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
+    how many pieces of recent data it reaches back. change (10, 10): covariance of what the products
+    may change by when the load does.
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, watch=True):
@@ -38,7 +39,7 @@ class LoadRegression:
         # Only the doubt about torque constants asks for each joint's part.
         self._recent = RecentData(n if gain_doubt > 0.0 else 0, nuisances, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change = 0, None
+        self.changes, self.last_change, self.changed_pieces = 0, None, min(WINDOWS)
         self.change = _change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._turn, self._unchecked = 0, None
@@ -63,10 +64,9 @@ class LoadRegression:
         split = self._recent.split(WINDOWS[self._turn])
         if split is None:
             return
-        older, recent = split
-        if log_bayes_factor(recent, *self._older_belief(older), self.change) > self._evidence:
+        if self._evidence_of(split) > self._evidence:
             # Nobody knows since when: a change is seen while the window still holds old data.
-            self.begin_anew(stamp)
+            self.begin_anew(stamp, self._pieces_since_change())
 
     def update_posterior(self):
         """Solve for the Posterior of all data so far and return it."""
@@ -148,14 +148,18 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
                             self._tare)
 
-    def begin_anew(self, stamp):
-        """Forget the load because another is held since about `stamp` [s]."""
+    def begin_anew(self, stamp, pieces=min(WINDOWS)):
+        """
+        Forget the load because another is held since about `stamp` [s].
+
+        pieces: how many of the newest are no data of the old load, should it come back.
+        """
         again = 0.0 <= stamp - self._returned < NOT_TWICE
-        before = None if again else (self._recent.without_newest(), self._start)
+        before = None if again else (self._recent.without_newest(pieces), self._start)
         self.forget()
         self._before = before
         self.changes += 1
-        self.last_change = stamp
+        self.last_change, self.changed_pieces = stamp, pieces
 
     def take_back(self, stamp):
         """
@@ -173,6 +177,17 @@ class LoadRegression:
         self.last_change = stamp
         self.update_posterior()
         return True
+
+    def _evidence_of(self, split):
+        """Return the log Bayes factor of a changed load between (older, recent) Information."""
+        older, recent = split
+        return log_bayes_factor(recent, *self._older_belief(older), self.change)
+
+    def _pieces_since_change(self):
+        """Return how many pieces are most likely another load's, and the one it came in."""
+        splits = {count: self._recent.split(count) for count in range(1, max(WINDOWS) + 1)}
+        return 1 + max((count for count, split in splits.items() if split is not None),
+                       key=lambda count: self._evidence_of(splits[count]))
 
     def _older_belief(self, older):
         """Return mean (d,), precision (d, d) of load and nuisances from older data."""

@@ -137,6 +137,6 @@ def _card(model, design, job, spans, scores, seconds):
         'network': design.network,
         'outputs': f'mean and standard deviation of {", ".join(design.parameters)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
-        'model_recordings': list(model.recordings), **job, 'sequence_seconds': DURATION,
+        'model_recordings': model.recording_names, **job, 'sequence_seconds': DURATION,
         'seeds': {name: span.start for name, span in spans.items()},
         'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}

@@ -42,14 +42,14 @@ class _Processes(gpytorch.models.ApproximateGP):
 
 def learn_gp(data, seed, write=lambda text: None):
     """Return (tensors of InducingPoints, LeftOut) for DifferenceData."""
-    kernel = _kernel(data, seed, write)
+    kernel = learn_kernel(data, seed, write)
     everything = np.ones(len(data.dt), dtype=bool)
-    return (_posterior(data, kernel, everything),
-            left_out(data, lambda rows: InducingPoints(_posterior(data, kernel, rows)).at))
+    return (process_posterior(data, kernel, everything),
+            left_out(data, lambda rows: InducingPoints(process_posterior(data, kernel, rows)).at))
 
 
-def _kernel(data, seed, write):
-    """Return points, lengthscale, outputscale, noise of the largest variational bound."""
+def learn_kernel(data, seed, write):
+    """Return {name: array} of the largest bound: points, lengthscale, outputscale, noise."""
     count, n, _ = data.inputs.shape
     rng = np.random.default_rng(seed)
     first = np.stack([data.inputs[rng.choice(count, min(POINTS, count), replace=False), j]
@@ -82,8 +82,8 @@ def _kernel(data, seed, write):
         ('outputscale', covariance.outputscale), ('noise', likelihood.noise[:, 0]))}
 
 
-def _posterior(data, kernel, rows):
-    """Return the tensors of InducingPoints after the rows (N,) bool of the data."""
+def process_posterior(data, kernel, rows):
+    """Return the tensors of InducingPoints of a kernel after the rows (N,) bool of the data."""
     rate = np.sqrt(5.0) / kernel['lengthscale']
     places = kernel['points'] * rate[:, None]
     level = kernel['outputscale']

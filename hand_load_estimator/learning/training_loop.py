@@ -20,6 +20,7 @@ from .start import sha256_of
 
 CHECKPOINT_EVERY = 25   # steps
 BYTES_PER_SEQUENCE = 1e6   # on disk while training, for six joints
+_NOTE = 'job.json'
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4   # glibc's malloc.h
 
 
@@ -90,7 +91,7 @@ def begin_work(folder, job, spans):
 
 def _same_job(work, job, sequences):
     """Note what the work belongs to, where there is room for it; refuse to mix two jobs."""
-    note = work / 'job.json'
+    note = work / _NOTE
     if not note.exists():
         needed = BYTES_PER_SEQUENCE * sequences
         free = shutil.disk_usage(work).free
@@ -106,9 +107,13 @@ def _same_job(work, job, sequences):
 
 
 def end_work(work):
-    """Remove what a finished training worked with."""
+    """Remove what a finished training worked with; a kill leaves what another job is refused."""
+    note = work / _NOTE
     for path in sorted(work.rglob('*'), reverse=True):
-        path.rmdir() if path.is_dir() else path.unlink()
+        # Without the note the next training would take what is left for its own.
+        if path != note:
+            path.rmdir() if path.is_dir() else path.unlink()
+    note.unlink()
     work.rmdir()
 
 

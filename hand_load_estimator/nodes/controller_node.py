@@ -20,16 +20,16 @@ from ..control.fallback import FallbackSettings, usable_estimate
 from ..control.supervisor import CycleSettings, Supervisor
 from ..errors import ConfigurationError
 from ..input_guard import InputGuard
-from ..joint_stream import PLAUSIBLE_TEMPERATURE
+from ..joint_stream import PLAUSIBLE_TEMPERATURE, joint_index
 from ..model_file import read_model
 from ..robot import load_robot
-from ..shared_files import find_shared
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
 from .diagnostics import ERROR, OK, WARN, Diagnostics
 from .estimate_messages import vector_of_inertia
 from .load_pairing import LoadPairing
+from .model_choice import robot_and_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement
 from .runner import run_node
@@ -42,9 +42,8 @@ _RESTING = 5  # thresholds at rest are published every this many cycles
 
 def model_from_parameters(values):
     """Return the TorqueModel the parameters ask for; raises ConfigurationError."""
-    path = find_shared(values.robot, 'robots')
-    robot = load_robot(path)
-    model = read_model(find_shared(values.model or path.stem, 'models'))
+    path, model_file = robot_and_model(values)
+    robot, model = load_robot(path), read_model(model_file)
     if model.robot.joints != robot.joints:
         raise ConfigurationError('parameter model', f'belongs to other joints than {path}',
                                  list(model.robot.joints), list(robot.joints))
@@ -141,12 +140,12 @@ class ControllerNode(Node):
         self._take_temperature(message.header.frame_id, message.temperature)
 
     def _take_temperature(self, joint, celsius):
-        matches = [i for i, name in enumerate(self._robot.joints) if joint.endswith(name)]
+        index = joint_index(joint, self._robot.joints)
         low, high = PLAUSIBLE_TEMPERATURE
-        if len(matches) != 1:
+        if index is None:
             return
         if low < celsius < high:
-            self._supervisor.temperature[matches[0]] = celsius
+            self._supervisor.temperature[index] = celsius
         else:
             self._rejected['implausible_temperature'] += 1
 

@@ -1,7 +1,6 @@
 """Estimator node: joint states and temperatures in, load with its covariance out."""
 
 import sys
-from collections import Counter
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
@@ -16,16 +15,17 @@ from visualization_msgs.msg import MarkerArray
 
 from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
-from ..shared_files import find_shared
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .controller_messages import trajectory_message
-from .diagnostics import ERROR, OK, STALE, WARN, Diagnostics
+from .diagnostics import WARN, Diagnostics
 from .draining import subscribe_draining
-from .estimate_messages import (covariance_message, estimate_status, inertia_message,
-                                residual_message)
+from .estimate_messages import (covariance_message, estimate_status, impossible_mass,
+                                inertia_message, residual_message)
 from .estimator_parameters import ESTIMATOR_PARAMETERS
+from .input_report import InputReport
 from .markers import estimate_markers
+from .model_choice import robot_and_model
 from .model_report import report_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
@@ -36,13 +36,11 @@ from .throttle import Throttle
 
 _STATUS_PERIOD = 0.1  # [s]
 _CHECKPOINT_PERIOD = 1.0  # [s]
-_MISSING = (ERROR, 'no joint states have arrived')
 
 
 def build_from_parameters(values):
     """Return the Pipeline the parameters ask for; raises ConfigurationError."""
-    robot = find_shared(values.robot, 'robots')
-    model = find_shared(values.model or robot.stem, 'models')
+    robot, model = robot_and_model(values)
     return build_pipeline(model, values.method, values.learned or None, robot,
                           values.tool or None)
 
@@ -64,7 +62,7 @@ class EstimatorNode(Node):
         self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
         self._last_status = self._drawn_next = None
-        self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
+        self._input = InputReport()
         self._create_outputs()
         self._create_inputs(values)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -107,7 +105,7 @@ class EstimatorNode(Node):
 
     def _create_diagnostics(self):
         self._diagnostics = Diagnostics(self, hardware_id=self._robot.name)
-        self._diagnostics.add('input', self._report_input)
+        self._diagnostics.add('input', lambda: self._input.report(self._pipeline))
         self._diagnostics.add('estimate', self._report_estimate)
         self._diagnostics.add('model', lambda: report_model(
             self._pipeline, self._model_written, self._base))
@@ -115,7 +113,7 @@ class EstimatorNode(Node):
 
     def _on_joint_state(self, message):
         seconds = self._base.seconds(message.header.stamp)
-        self._taken['joint_states'] += 1
+        self._input.joint_state()
         estimate = self._pipeline.joint_state(seconds, message.name, message.position,
                                               message.velocity, message.effort)
         drawn_next, self._drawn_next = self._drawn_next, estimate
@@ -130,7 +128,7 @@ class EstimatorNode(Node):
         self._take_temperature(message.header.frame_id, message.temperature)
 
     def _take_temperature(self, joint, celsius):
-        self._taken['temperatures'] += 1
+        self._input.temperature(joint, self._joints)
         self._pipeline.temperature_reading(joint, celsius)
 
     def _publish_estimate(self, estimate):
@@ -177,31 +175,16 @@ class EstimatorNode(Node):
                                 'checkpoint': self._checkpoint.told,
                                 **self._pipeline.reliability})
 
-    def _report_input(self):
-        rejected = self._pipeline.rejected
-        values = {f'rejected {reason}': count for reason, count in sorted(rejected.items())}
-        for kind in ('joint_states', 'temperatures'):
-            values[f'received {kind}'] = self._taken[kind]
-            values[f'{kind} in the last second'] = self._taken[kind] - self._taken_before[kind]
-        fresh = self._taken['joint_states'] > self._taken_before['joint_states']
-        self._taken_before = Counter(self._taken)
-        if not self._taken['joint_states']:
-            return (*_MISSING, values)
-        if not fresh:
-            return STALE, 'no joint states in the last second', values
-        total = sum(rejected.values())
-        newly, self._rejected_before = total - self._rejected_before, total
-        if newly:
-            return WARN, f'{newly} inputs rejected in the last second', values
-        return OK, 'joint states arrive', values
-
     def _report_estimate(self):
         estimate, age = self._current()
         status = self._status_of('', estimate, age)
         values = [(pair.key, pair.value) for pair in status.values]
         values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
                    ('mass std [kg]', float(estimate.std[0]))]
-        return status.level, f'{estimate.status} {estimate.reason}'.strip(), values
+        told = f'{estimate.status} {estimate.reason}'.strip()
+        if impossible := impossible_mass(estimate, self._pipeline.tared_mass):
+            return max(status.level, WARN), f'{told}; {impossible}', values
+        return status.level, told, values
 
     def _on_reset(self, _request, response):
         self._pipeline.reset()

@@ -25,7 +25,7 @@ def report_model(pipeline, written, base):
     values['file'] = pipeline.model_file
     values['written'] = _date(written)
     values['diagnosed'] = model.diagnosed or 'not known'
-    values['recordings'] = ', '.join(model.recordings) or 'none'
+    values['recordings'] = ', '.join(model.recording_names) or 'none'
     aged = watch.aged
     if aged:
         values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))

@@ -1,15 +1,14 @@
 """Run one node as a process: start, spin, stop cleanly."""
 
 import gc
-import signal
 import sys
-import time
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from ..errors import ConfigurationError
+from .signals import heed_signals
 
 try:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -18,25 +17,6 @@ except ImportError:
     EventsExecutor = SingleThreadedExecutor
 
 _STOP_LATENCY = 0.1  # [s] longest time a signal waits while no message wakes the node
-# A second signal this long [s] after the first ends a node that hangs. An earlier one is the same
-# wish told twice, as by a terminal and `ros2 launch` both, and must not cut a braking arm short.
-_PATIENCE = 1.0
-
-
-def _install_signal_handlers():
-    """Return a list that becomes non-empty at the first SIGINT or SIGTERM: its time [s]."""
-    stop = []
-
-    def handle(number, _frame):
-        now = time.monotonic()
-        if stop and now - stop[0] > _PATIENCE:
-            signal.signal(number, signal.SIG_DFL)
-            signal.raise_signal(number)
-        stop.append(now)
-
-    signal.signal(signal.SIGINT, handle)
-    signal.signal(signal.SIGTERM, handle)
-    return stop
 
 
 def _start(make_node, args):
@@ -73,7 +53,7 @@ def run_node(make_node, args=None):
     0: stopped cleanly; 2: wrong configuration, told in one sentence on stderr. A node with a
     method `stop()` has it called before it is destroyed, while it can still publish.
     """
-    stop = _install_signal_handlers()
+    stop = heed_signals()
     node = None
     try:
         node = _start(make_node, args)

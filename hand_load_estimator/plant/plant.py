@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..load import LoadParameters
+from ..load import LoadParameters, together
 from .arm import Arm
 from .difficulty import DEFAULT
 from .drive import Drive
@@ -86,7 +86,7 @@ class Plant:
 
     @property
     def true_load(self):
-        """What hangs on the hand, as LoadParameters (zero when nothing does)."""
+        """What was attached to the hand, as LoadParameters; what hidden effects hold is not."""
         return self._load
 
     @property
@@ -120,7 +120,7 @@ class Plant:
     def attach(self, load):
         """Hang LoadParameters on the hand in place of what is there; None empties the hand."""
         self._load = LoadParameters() if load is None else load
-        self._arm.attach(self._load)
+        self._hang(self._held_now())
 
     def set_trajectory(self, names, times, positions, velocities=None, accelerations=None):
         """
@@ -154,6 +154,8 @@ class Plant:
         dt = self._dt
         self._arm.integrate(dt)
         self._steps += 1
+        if self.truth.held and (now := self._held_now()) != self._held:
+            self._hang(now)
         velocity = self._arm.velocity
         self._friction.step(velocity, self._situation.gear_torque, dt)
         self._observe()
@@ -162,6 +164,16 @@ class Plant:
         self._move()
         self._history.add(self._reported_torque())
         self._warm(velocity, dt)
+
+    def _held_now(self):
+        """Return the indices of what hidden effects hold now."""
+        return [k for k, held in enumerate(self.truth.held)
+                if held.start <= self.time < held.end]
+
+    def _hang(self, now):
+        """Put on the hand the load and, beside it, what is held by index."""
+        self._held = now
+        self._arm.attach(together([self._load, *(self.truth.held[k].load for k in now)]))
 
     def _observe(self):
         now, arm = self._situation, self._arm

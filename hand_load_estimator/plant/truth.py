@@ -16,7 +16,8 @@ class Truth:
 
     links: n pseudo-inertias (4, 4) in the joint frames; rotor (n,) [kg m^2]; gravity (3,);
     friction; noise (n,) [Nm]; constants (n,) [Nm/A or 1]; effort_gain, effort_gain_slope [1/K],
-    effort_offset [Nm], effort_delay [s] (n,); joint_torques, forces: what acts beside these.
+    effort_offset [Nm], effort_delay [s] (n,); joint_torques, forces: what acts beside these; held:
+    what hangs on the hand for a time beside the plant's load.
     """
 
     links: list
@@ -31,6 +32,7 @@ class Truth:
     effort_delay: np.ndarray
     joint_torques: list = field(default_factory=list)
     forces: list = field(default_factory=list)
+    held: list = field(default_factory=list)
 
 
 def draw_truth(robot, difficulty, rng):

@@ -110,6 +110,8 @@ def diagnosis_content(diagnosis):
         'unexplained': _numbers(diagnosis.unexplained), **_load_error(diagnosis),
         'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
         'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
+        'test_seen_by_model': list(diagnosis.seen), 'refitted': diagnosis.refitted,
+        'test_left_out_seconds': _number(diagnosis.left_out),
         'correction': None if diagnosis.correction is None else {
             'model': 'model_with_correction.yaml',
             'torque_rmse': _numbers(diagnosis.correction.after)},

@@ -57,17 +57,34 @@ def _summary(diagnosis):
                       for k, f in enumerate(diagnosis.findings, 1))
 
 
+def _tested(diagnosis):
+    """Return what the errors were measured on, and what of it the old model knew already."""
+    text = (f'Measured on <strong>{escape(diagnosis.tested_on)}</strong>, '
+            if diagnosis.tested_on else 'Measured on data ')
+    text += 'never used for fitting or choosing'
+    if diagnosis.seen:
+        text += (' what was found. But <strong>the model was identified from '
+                 f'{escape(", ".join(diagnosis.seen))}</strong>: expect larger errors on other '
+                 'recordings')
+    elif diagnosis.refitted:
+        text += (' what was found. The model was identified from all of these recordings; so '
+                 'before and after are those of fits without this part, the one without and the '
+                 'other with what was found')
+    if diagnosis.left_out:
+        text += (f'. Left out of it are {number_text(diagnosis.left_out)} s in which something '
+                 'acted from outside, as told below')
+    return f'{text}.'
+
+
 def _errors(diagnosis):
     rows = [[label_html(name), *map(number_text, errors), share_text(left)]
             for name, left, *errors in zip(
                 diagnosis.joints, diagnosis.unexplained, diagnosis.before, diagnosis.after,
                 diagnosis.noise_floor)]
     same = '' if diagnosis.findings else ' Nothing was added, so before and after are the same.'
-    tested = (f'Measured on <strong>{escape(diagnosis.tested_on)}</strong>, '
-              if diagnosis.tested_on else 'Measured on data ')
     return (
         '<h2>Torque error per joint</h2>'
-        f'<p>{tested}never used for fitting or choosing.{same}</p>'
+        f'<p>{_tested(diagnosis)}{same}</p>'
         + html_image(errors_svg(diagnosis), 'Torque error per joint before and after, with its '
                      'noise floor; the figures are in the table below')
         + html_table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise floor<br>[Nm]',

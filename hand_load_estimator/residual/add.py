@@ -14,6 +14,7 @@ from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN
 from .hypotheses import EFFECT_FACTOR, with_effect
+from .known_recordings import made_from
 
 # What is known of the arm from before stays known, with standard deviations so much wider.
 WIDER = 3.0
@@ -58,11 +59,6 @@ def identified_again(model, uses, evidence, changed=frozenset()):
     mean, covariance = _prior(model, uses, changed, own)
     links = _links_declared(model, changed)
     return _identified(model, (uses, links), mean, covariance, evidence, own)
-
-
-def made_from(model, evidence):
-    """Tell whether a model was identified from these very recordings."""
-    return {e.name for e in evidence} <= set(model.recordings)
 
 
 def _prior(model, uses, changed, own):
@@ -144,7 +140,7 @@ def _identified(model, declared, mean, covariance, evidence, own):
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
     temperatures = [span for span in spans if span is not None]
-    names = tuple(dict.fromkeys((*model.recordings, *(e.name for e in evidence))))
-    return TorqueModel(robot, uses, links, x, posterior, found, names,
+    marks = tuple(dict.fromkeys((*model.recordings, *(e.mark for e in evidence))))
+    return TorqueModel(robot, uses, links, x, posterior, found, marks,
                        (float(min(t[0] for t in temperatures)),
                         float(max(t[1] for t in temperatures))) if temperatures else None)

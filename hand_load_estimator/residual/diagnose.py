@@ -5,16 +5,19 @@ import time
 
 import numpy as np
 
+from ..filtered_noise import noise_floor
 from ..identification import prior
+from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
-from .add import better_model, made_from
+from .add import better_model
 from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import UNKNOWN, Diagnosis
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
-from .find import find_residual, noise_floor
+from .find import find_residual
 from .findings import findings_of, refuted
+from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
@@ -31,9 +34,11 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     Return (Diagnosis, better TorqueModel) of a TorqueModel and Evidence (evidence.prepare).
 
     test: Evidence that is used for nothing but the errors before and after; without any, the
-    last quarter of every recording. Raises RecordingError where nothing can be told.
+    last quarter of every recording. Raises RecordingError where nothing can be told, and for
+    recordings given twice.
     """
     began = time.monotonic()
+    refuse_repeats(evidence, test)
     refuse_another_robot(model, test)
     tested_on = ', '.join(e.name for e in test)
     kept = not test
@@ -42,6 +47,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     whole, _, _ = _residual(model, evidence)
     outside = _outside(model, evidence, whole)
     names = tuple(e.name for e in evidence)
+    seen = known_names(model, evidence if kept else test)
+    by_name = known_by_name_only(model, [*evidence, *test])
+    left_out = _left_out(evidence, whole, outside) if kept else 0.0
     evidence, test = _parts(evidence, whole, outside, test)
     if kept:
         tested_on = 'the last quarter of every recording'
@@ -55,9 +63,11 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     # A model made from these recordings took what acted from outside for the arm's own.
     again = trace.steps or own and outside.found
     better = better_model(model, trace.steps, evidence) if again else model
-    # A model made from these recordings has seen what is now kept for the test.
-    old = better_model(model, (), evidence) if own and kept else model
-    before, after, floor = _errors(old, better if again else old, test)
+    # A model made from these recordings has seen what is now kept for the test: where another is
+    # written, both are fitted without it; else the error told is that of the model written.
+    refitted = bool(again and own and kept)
+    old = better_model(model, (), evidence) if refitted else model
+    before, after, floor = _errors(old, better, test)
     left = unexplained_joints(residual, rest)
     odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
                        for j in step.chosen.joints)
@@ -67,16 +77,17 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     findings, doubts = refuted(findings, model.robot.joints, before, after)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
-    cannot = [*sentences, *still.values(), *limited,
+    cannot = [*by_name, *sentences, *still.values(), *limited,
               *_nearly(model.robot, trace, findings, _structured(after, floor))]
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
         _unexplained(after, floor), tuple(cannot), recordings=names,
-        tested_on=tested_on, seconds=time.monotonic() - began,
+        tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
+        seconds=time.monotonic() - began,
         remains=doubts + _remains(model.robot, after, floor), structure=structure,
-        sliding=_sliding(better if again else old, test)), correction), better
+        sliding=_sliding(better, test)), correction), better
 
 
 def _residual(model, evidence):
@@ -96,9 +107,23 @@ def _outside(model, evidence, residual):
                                           load_change(model.robot, residual, loads)))
 
 
+def _outside_rows(evidence, residual, outside):
+    """Return for each recording the rows (M,) bool in which something acted from outside."""
+    return [outside.rows[residual.owner == k] for k in range(len(evidence))]
+
+
+def _left_out(evidence, residual, outside):
+    """Return the time [s] in which something acted from outside in the part kept for the test."""
+    seconds = 0.0
+    for e, rows in zip(evidence, _outside_rows(evidence, residual, outside)):
+        done = np.cumsum(~rows) / max(np.sum(~rows), 1)
+        seconds += float(e.motion.dt[rows & (done > 1.0 - TEST_SHARE)].sum())
+    return seconds
+
+
 def _parts(evidence, residual, outside, test):
     """Return (Evidence to fit, Evidence to test on) without what acted from outside."""
-    rows = [outside.rows[residual.owner == k] for k in range(len(evidence))]
+    rows = _outside_rows(evidence, residual, outside)
     last = 1.0 if test else 1.0 - TEST_SHARE
 
     def parts(share):
@@ -124,7 +149,8 @@ def _errors(model, better, test):
     old, new = (errors_of(m, test) for m in (model, better))
     # Each model knows its friction state at other times; both are judged at the same.
     old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))
-    floor = noise_floor(new)
+    floor = noise_floor(new, np.concatenate([e.motion.dt for e in test]),
+                        np.concatenate([e.motion.messages for e in test]))
     before, after = _rms(old), _rms(new)
     return before, after, np.minimum(floor, after)
 

@@ -158,14 +158,18 @@ class Diagnosis:
     """
     The whole result; (n,) arrays are per joint.
 
-    before, after [Nm]: torque RMSE on data not used for fitting or choosing; noise_floor [Nm];
+    before, after [Nm]: torque RMSE of the model as it was and of the one written, on data not used
+    for fitting or choosing what was found; noise_floor [Nm];
     findings: in the order they were found; unexplained (n,): share of the residual variance that
     is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
     it; fine_tuning: what became of the learned artefact, None where it was left as it is;
     structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model
-    leaves now while joints slide, as of Residuals, or None.
+    leaves now while joints slide, as of Residuals, or None; seen: names of recordings tested on
+    that the model itself was identified from; refitted: it was identified from all of them, and
+    before and after are of fits without the part kept for the test; left_out [s]: of that part,
+    in which something acted from outside.
     """
 
     robot: str
@@ -187,3 +191,6 @@ class Diagnosis:
     fine_tuning: FineTuning | None = None
     structure: tuple | None = None
     sliding: np.ndarray | None = None
+    seen: tuple = ()
+    refitted: bool = False
+    left_out: float = 0.0

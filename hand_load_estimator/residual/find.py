@@ -6,6 +6,7 @@ import numpy as np
 
 from ..effects import EFFECTS, EffectInput
 from ..evidence import recording_numbers
+from ..filtered_noise import noise_floor, white_density
 from ..motion import BANDWIDTH
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
@@ -18,8 +19,6 @@ from .blocks import Blocks
 BLOCK, FEWEST_BLOCKS = 4.0, 12
 # Information, in units of the prior's, from which on a direction of the parameters counts.
 TOLD = 0.1
-# Filtered white noise differs from its neighbour 20 ms later by so many of its variances.
-NEIGHBOURS = 2.0 * (1.0 - 0.587)
 # A model made without an effect took it for noise. What is left may be so many times denser at low
 # frequencies than its white part, but no more; and at least this share of what the model states
 # is noise, because recordings that were smoothed show no white part at all.
@@ -34,11 +33,11 @@ class Residual:
     The residual of several recordings along their motion, N rows in all.
 
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
-    [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; owner (N,): recording;
-    starts, folds (B,) of its blocks; moving (N, n): where joints slide; sliding (N, n): where
-    they slide by the watch's stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque
-    that the model itself says it may be wrong by; noise (n,) [Nm]: RMS of what the model leaves
-    that is surely noise.
+    [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; messages (N,):
+    joint states of each row; owner (N,): recording; starts, folds (B,) of its blocks; moving
+    (N, n): where joints slide; sliding (N, n): where they slide by the watch's stricter measure
+    (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
+    by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise.
     """
 
     x: EffectInput
@@ -47,6 +46,7 @@ class Residual:
     columns: np.ndarray
     dt: np.ndarray
     time: np.ndarray
+    messages: np.ndarray
     owner: np.ndarray
     starts: np.ndarray
     folds: np.ndarray
@@ -106,8 +106,8 @@ def find_residual(model, evidence, cut=True):
     recording = np.array(recording_numbers(evidence))[owner]
     uncut = np.zeros(1, int), np.zeros(1, int)
     starts, folds = _cut(joined['dt'], owner, recording) if cut else uncut
-    noise = np.clip(noise_floor(joined['residual']), np.sqrt(STRUCTURE) * model.noise,
-                    model.noise)
+    floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
+    noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
     return Residual(x, owner=owner, starts=starts, folds=folds, noise=noise,
                     expected=_expected(model, joined['columns'], x), **joined)
 
@@ -137,32 +137,16 @@ def _of_recording(model, evidence, compared):
         x = _complete(model, x, columns, motion.dt, evidence.held)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
-    density = np.clip(COLOUR * white_density(residual), STRUCTURE * stated, stated) \
+    white = white_density(residual, motion.dt, motion.messages)
+    density = np.clip(COLOUR * white, STRUCTURE * stated, stated) \
         + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
     turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
     weights = np.where(turning, 0.0, motion.dt[:, None] / density)
     moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
-            'dt': motion.dt, 'time': motion.stamp, 'moving': moving,
+            'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
             'sliding': surely_slides(x.v, x.z, doubt)}
-
-
-def noise_floor(residual):
-    """
-    Return the RMS (n,) of the white noise in a residual (N, n) of the motion filter, 20 ms apart.
-
-    Noise differs from one sample to the next, structure hardly does; NaN rows are left out.
-    """
-    steps = np.diff(residual, axis=0)
-    known = np.isfinite(steps)
-    squares = np.where(known, steps ** 2, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-    return np.sqrt(squares / NEIGHBOURS)
-
-
-def white_density(residual):
-    """Return the density (n,) [Nm^2 s] of that noise."""
-    return noise_floor(residual) ** 2 * 16.0 / (3.0 * BANDWIDTH)
 
 
 def _complete(model, x, columns, dt, held):

@@ -4,21 +4,20 @@ import numpy as np
 
 # Neighbouring blocks are left out in different folds: what is slow in time is foretold too.
 FOLDS = 6
-# Noise is forgotten after so many samples (half a second). The same residual with the signs of
-# such pieces drawn at random follows nothing: of so many draws this share explains less than what
-# is called chance.
-MEMORY, DRAWS, CHANCE = 25, 100, 0.99
+# Noise is forgotten after so long [s]. The same residual with the signs of such pieces drawn at
+# random follows nothing: of so many draws this share explains less than what is called chance.
+MEMORY, DRAWS, CHANCE = 0.5, 100, 0.99
 
 
 class Foretelling:
     """
     Functions tried on values (N,) [Nm], weighted by weights (N,), cut into blocks.
 
-    starts (B,): first row of each block; beside (N, l): columns that are fitted with and without
-    the function. All columns are in units of what their factors may be.
+    dt (N,) [s]; starts (B,): first row of each block; beside (N, l): columns that are fitted with
+    and without the function. All columns are in units of what their factors may be.
     """
 
-    def __init__(self, values, weights, starts, beside):
+    def __init__(self, values, weights, dt, starts, beside):
         self._total = float(weights.sum())
         blocks = np.split(np.arange(len(values)), starts[1:])
         folds = [[rows[weights[rows] > 0.0] for rows in blocks[k::FOLDS]] for k in range(FOLDS)]
@@ -26,7 +25,7 @@ class Foretelling:
         self._order = np.concatenate([rows for fold in folds for rows in fold])
         ends = np.cumsum([sum(map(len, fold)) for fold in folds])
         self._folds = [slice(end - sum(map(len, fold)), end) for end, fold in zip(ends, folds)]
-        self._pieces = [np.arange(0, fold.stop - fold.start, MEMORY) for fold in self._folds]
+        self._pieces = [_pieces(dt[self._order[fold]]) for fold in self._folds]
         rng = np.random.default_rng(0)
         self._signs = [np.vstack([np.ones(len(first)), rng.choice((-1.0, 1.0), (
             DRAWS, len(first)))]) for first in self._pieces]
@@ -57,3 +56,9 @@ class Foretelling:
             theta = np.linalg.solve(whole - own, (all_pull - outside).T).T
             told += ((2.0 * outside - theta @ own) * theta).sum(axis=1)
         return told
+
+
+def _pieces(dt):
+    """Return the first rows of pieces of MEMORY, of rows that last dt (N,) [s]."""
+    middles = np.cumsum(dt) - 0.5 * dt
+    return np.flatnonzero(np.diff(middles // MEMORY, prepend=-1.0))

@@ -32,15 +32,15 @@ def refuse_the_useless(model, evidence):
 
 def refuse_another_robot(model, evidence):
     """Raise RecordingError where a model does not belong to the arm, unit or mounting at all."""
-    for name in dict.fromkeys(e.name for e in evidence):
+    for mark in dict.fromkeys(e.mark for e in evidence):
         # The parts of a recording together: in a short one alone hardly a joint may have moved,
         # and at rest friction hides what the model explains.
-        parts = [_explained(model, e) for e in evidence if e.name == name]
+        parts = [_explained(model, e) for e in evidence if e.mark == mark]
         measured, modelled = (np.concatenate(rows) for rows in zip(*parts))
         loaded = modelled.std(axis=0) > 5.0 * model.noise
         if loaded.any() and np.median(_left(measured, modelled)[loaded]) > STRANGE:
             raise RecordingError(
-                f'{name}: the model explains less than half of the torque of half the joints '
+                f'{mark.name}: the model explains less than half of the torque of half the joints '
                 'that carry load; it belongs to another robot, unit, sign or mounting; try '
                 '`hand_load check`')
 

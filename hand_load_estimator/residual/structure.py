@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from ..filtered_noise import noise_floor
 from .diagnosis import Structure
-from .find import find_residual, noise_floor
+from .find import find_residual
 from .foretelling import Foretelling
 from .hypotheses import VARIABLES, hats
 
@@ -28,8 +29,9 @@ def structures(model, better, residual, evidence, warmed):
     old = residual.residual
     new = old if better is model else find_residual(better, evidence, cut=False).residual
     # What the better model removes was no noise, quick as it may be.
-    noise = np.minimum.reduce([noise_floor(np.where(rows, new, np.nan)), *(
-        np.sqrt(_square(residual, values)) for values in (old, new))])
+    floor = noise_floor(np.where(rows, new, np.nan), residual.dt, residual.messages)
+    noise = np.minimum.reduce([floor, *(np.sqrt(_square(residual, values))
+                                        for values in (old, new))])
     whole = np.maximum(_square(residual, old) - noise ** 2, LEAST * _square(residual, old))
     before = _structure(model.robot, residual, old, warmed, (noise, whole))
     after = before if better is model else \
@@ -65,7 +67,7 @@ def _structure(robot, residual, values, warmed, against):
 
 def _tried(residual, values, j, beside):
     """Return the Foretelling of values (N,) at joint j."""
-    return Foretelling(values, residual.weights[:, j], residual.starts, beside)
+    return Foretelling(values, residual.weights[:, j], residual.dt, residual.starts, beside)
 
 
 def _functions(residual, j, warmed):

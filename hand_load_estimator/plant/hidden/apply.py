@@ -10,6 +10,7 @@ from .friction import (CoulombFriction, FrictionAsymmetry, LoadDependentFriction
                        PreslidingHysteresis, SpeedResonanceFriction, StribeckFriction,
                        TemperatureDependentCoulomb, TemperatureDependentViscous, ViscousFriction)
 from .gear import Backlash
+from .load import LoadChange
 from .position import CableDrag, GravitySpring, TorqueRipple
 from .reference_motion import ReferenceMotion
 from .rigid import BaseTilt, LinkInertia, RotorInertia
@@ -19,7 +20,7 @@ EFFECTS = {kind.name: kind for kind in (
     ViscousFriction(), FrictionAsymmetry(), StribeckFriction(), LoadDependentFriction(),
     TemperatureDependentViscous(), TemperatureDependentCoulomb(), PreslidingHysteresis(),
     Backlash(), TorqueRipple(), TorqueScale(), TorqueScaleTemperature(), TorqueOffset(),
-    TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad())}
+    TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad(), LoadChange())}
 # Halvings of the logarithm of an amplitude: five decades to half a percent.
 _BISECTIONS = 11
 

@@ -77,7 +77,8 @@ class SwingingLoad(HiddenEffect):
 
 class _Swing:
     def __init__(self, p):
-        self._mass, self._omega = p['mass'], 2.0 * np.pi * p['frequency']
+        self.frequency = p['frequency']
+        self._mass, self._omega = p['mass'], 2.0 * np.pi * self.frequency
         self._damping = 2.0 * p['damping'] * self._omega
         self._place = None
         self._speed, self._hand = np.zeros(3), np.zeros(3)

@@ -1,0 +1,82 @@
+"""Temperatures out of ros2_control's dynamic_joint_states, without its message package."""
+
+import math
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from hand_load_estimator.nodes import temperature_input
+
+
+def test_temperatures_of_dynamic_joint_state():
+    """control_msgs is not needed to know how its message is read."""
+    class Values:
+        def __init__(self, names, values):
+            self.interface_names, self.values = names, values
+
+    class Message:
+        joint_names = ['a', 'b', 'c']
+        interface_values = [Values(['position', 'temperature'], [0.1, 31.5]),
+                            Values(['position'], [0.2]), Values(['temperature'], [math.nan])]
+
+    read = list(temperature_input.temperatures_of(Message))
+    assert read[0] == ('a', 31.5) and read[1][0] == 'c' and math.isnan(read[1][1])
+    assert len(read) == 2
+
+
+@pytest.fixture
+def control_msgs(monkeypatch):
+    """Return the rosbags types of control_msgs in place of ROS's own, which are no wheel."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    store.register({
+        **get_types_from_msg('string[] interface_names\nfloat64[] values',
+                             'control_msgs/msg/InterfaceValue'),
+        **get_types_from_msg('std_msgs/Header header\nstring[] joint_names\n'
+                             'InterfaceValue[] interface_values',
+                             'control_msgs/msg/DynamicJointState')})
+    for name in ('control_msgs', 'control_msgs.msg'):
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+    kind = store.types['control_msgs/msg/DynamicJointState']
+    sys.modules['control_msgs.msg'].DynamicJointState = kind
+    monkeypatch.setattr(temperature_input, 'deserialize_message', lambda data, asked:
+                        store.deserialize_cdr(data, asked.__msgtype__))
+    return store
+
+
+def dynamic_joint_state(store, joints, celsius):
+    """Return the CDR bytes ros2_control's broadcaster sends: two interfaces of each joint."""
+    types = store.types
+    values = types['control_msgs/msg/InterfaceValue']
+    header = types['std_msgs/msg/Header'](types['builtin_interfaces/msg/Time'](1, 2), '')
+    message = types['control_msgs/msg/DynamicJointState'](
+        header, list(joints), [values(['position', 'temperature'], np.array([0.1, c]))
+                               for c in celsius])
+    return bytes(store.serialize_cdr(message, message.__msgtype__))
+
+
+def test_dynamic_joint_states_bring_temperatures_ten_times_a_second(control_msgs):
+    """What arrives over DDS is raw bytes; of 500 messages a second only a few are read."""
+    now, taken, made = [0.0], [], []
+    node = SimpleNamespace(
+        get_clock=lambda: SimpleNamespace(now=lambda: SimpleNamespace(
+            nanoseconds=int(now[0] * 1e9))),
+        create_subscription=lambda *given, **more: made.append((given, more)))
+    temperature_input.subscribe_dynamic_joint_states(node, 100, lambda *pair: taken.append(pair))
+    (kind, topic, received, _), keywords = made[0]
+    assert kind.__msgtype__ == 'control_msgs/msg/DynamicJointState'
+    assert topic == 'dynamic_joint_states' and keywords == {'raw': True}
+    for k in range(500):
+        now[0] = 7.0 + 0.002 * k
+        received(dynamic_joint_state(control_msgs, ('a', 'b'), (30.0 + now[0], 40.0)))
+    assert taken[:2] == [('a', 37.0), ('b', 40.0)] and 9 <= len(taken) / 2 <= 10
+    now[0] = 1.0
+    received(dynamic_joint_state(control_msgs, ('a',), (20.0,)))
+    assert taken[-1] == ('a', 20.0), 'a clock that goes back does not stop it'
+
+
+def test_without_control_msgs_nothing_is_subscribed(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'control_msgs.msg', None)
+    assert temperature_input.subscribe_dynamic_joint_states(None, 100, None) is None
