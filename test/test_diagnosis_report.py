@@ -12,9 +12,9 @@ import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.residual.confusable import NO_MOTION
-from hand_load_estimator.residual.diagnosis import (Alternative, CONFIRMED, SUSPECTED, UNKNOWN,
-                                                    Diagnosis, Evidence, FineTuning, Finding, LoadError,
-                                                    Picture)
+from hand_load_estimator.residual.diagnosis import (Alternative, CONFIRMED, Diagnosis,
+                                                    Evidence, FineTuning, Finding, LoadError,
+                                                    Picture, SUSPECTED, UNKNOWN)
 
 JOINTS = ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
           'wrist_2_joint', 'wrist_3_joint')
@@ -233,6 +233,7 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
     'Next best explanation: cable drag, 655 nats behind',
     'cannot tell it from link inertia (2.50 ± 8.00 nats behind) and cable drag of '
     'shoulder_lift_joint (12.5 ± 18.0 nats behind).', 'by a full turn, slowly.',
+    'What is suspected is in the model as well',
     'had this effect already', 'depends on velocity.',
     'amplitude2.710 ± 0.062 Nm', '0.820 ± 0.024 rad (47.0 ± 1.4°)',
     '0.06280 rad (3.598°), no interval',
@@ -290,6 +291,15 @@ def test_page_says_what_became_of_the_artefact(read):
     assert 'centre of mass [mm]5.104.80' in words
     unloaded = Reader(diagnosis_page.page(tuned(None, None))).words()
     assert 'What that did to the load estimate is not known.' in unloaded
+
+
+def test_page_says_where_the_interval_of_a_searched_parameter_comes_from():
+    def words(std):
+        finding = dataclasses.replace(ripple(), parameters={'periods': (63.0, std, '1/turn')})
+        return Reader(diagnosis_page.page(dataclasses.replace(
+            found(), findings=(finding,)))).words()
+    assert 'Interval of periods: from how fast the gain falls' in words(0.01)
+    assert 'Interval of' not in words(np.nan) and 'no interval' in words(np.nan)
 
 
 def test_names_are_text_not_markup():

@@ -157,7 +157,10 @@ def _origin(diagnosis):
         '<p>The measured torque less the model\'s is compared with every physical effect the tool '
         'knows. An effect enters the model only if it predicts blocks of data that its fit has '
         'not seen better than without it, by more than chance would give over all hypotheses '
-        'tried (<em>confirmed</em>); where that is not certain it is <em>suspected</em>. A gain '
+        'tried. It is <em>confirmed</em> where that still holds beside all others; it is '
+        '<em>suspected</em> where it does not surely, where its joint has something unknown too, '
+        'or where its joint got worse in the test. What is suspected is in the model as well, and '
+        'in every error above: its torque was found, only its name is in doubt. A gain '
         f'of one nat means that the data are 2.7 times as likely.</p>{kept}'
         f'<p class="quiet">hand_load_estimator {__version__}, {datetime.date.today()}, '
         f'{number_text(diagnosis.seconds)} s of computing.</p>')

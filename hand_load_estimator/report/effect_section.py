@@ -4,6 +4,7 @@ import math
 from html import escape
 
 from ..effects import EFFECTS
+from ..effects.knee import KNEE
 from ..residual.confusable import NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .diagnosis_figures import effect_svg
@@ -79,7 +80,22 @@ def _dependence(finding):
 def _parameters(finding):
     rows = [[label_html(name_words(name)), quantity_html(*figures)]
             for name, figures in finding.parameters.items()]
-    return html_table(['parameter', 'value ± 2 standard deviations'], rows) if rows else ''
+    return html_table(['parameter', 'value ± 2 standard deviations'], rows) + _searched(finding) \
+        if rows else ''
+
+
+def _searched(finding):
+    """Return where the intervals of searched parameters come from."""
+    shapes = EFFECTS[finding.name].shapes if finding.name in EFFECTS else ()
+    told = {name.partition(' (')[0] for name, (_, std, _) in finding.parameters.items()
+            if std is not None and math.isfinite(std)}
+    names = [name_words(shape.name) for shape in shapes
+             if shape is not KNEE and shape.name in told]
+    if not names:
+        return ''
+    return (f'<p class="quiet">Interval of {escape(list_text(names))}: from how fast the gain '
+            'falls around the value, the effect\'s other parameters fitted again, and as far as '
+            'its formula holds.</p>')
 
 
 def _pictures(finding):

@@ -1,6 +1,6 @@
 """Candidates for a cause of the residual, and whether held-out blocks tell two of them apart."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ class Candidate:
     """
     One cause with its evidence: parts (Hypothesis, Score) on one or more joints.
 
-    gain, std, by_block [nats] of all parts together.
+    gain, std, by_block [nats] of all parts together; common: they share their parameters.
     """
 
     name: str
@@ -28,6 +28,7 @@ class Candidate:
     gain: float
     std: float
     by_block: np.ndarray
+    common: bool = False
 
     @property
     def joints(self):
@@ -42,7 +43,7 @@ class Candidate:
     @property
     def size(self):
         """Number of parameters."""
-        return sum(len(h.scale) for h, _ in self.parts)
+        return sum(len(h.scale) for h, _ in (self.parts[:1] if self.common else self.parts))
 
     @property
     def variable(self):
@@ -84,6 +85,29 @@ def joined(name, parts):
     """Return the Candidate of parts (Hypothesis, Score) that have one cause."""
     by_block = sum(score.by_block for _, score in parts)
     return Candidate(name, parts, float(by_block.sum()), standard_error(by_block), by_block)
+
+
+def in_common(hypothesis, score):
+    """Return the Candidate of one hypothesis on several joints, in parts for each of them."""
+    parts = tuple((replace(hypothesis, joint=j, columns={j: columns}),
+                   replace(score, by_joint={j: score.by_joint[j]}))
+                  for j, columns in hypothesis.columns.items())
+    return Candidate(hypothesis.name, parts, score.gain, score.std, score.by_block, True)
+
+
+def hypotheses_of(candidate):
+    """Return the Hypotheses of a Candidate: one where its joints share their parameters."""
+    found = [hypothesis for hypothesis, _ in candidate.parts]
+    if not candidate.common:
+        return found
+    columns = {j: own for hypothesis in found for j, own in hypothesis.columns.items()}
+    return [replace(found[0], joint=None, columns=columns)]
+
+
+def evaluated(candidate, blocks):
+    """Return the same Candidate with its evidence on Blocks."""
+    pairs = tuple((h, blocks.evaluate(h.columns)) for h in hypotheses_of(candidate))
+    return in_common(*pairs[0]) if candidate.common else joined(candidate.name, pairs)
 
 
 def standard_error(by_block):

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import EFFECTS
+from ..effects.knee import KNEE
 from ..load import PRODUCT_ORDER
-from .candidate import ahead, significant
+from .candidate import ahead, evaluated, hypotheses_of, significant
 from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .pictures import picture
+from .shape_std import shape_std
 
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
@@ -27,15 +29,28 @@ def findings_of(model, better, residual, trace, odd=()):
     torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
     found = []
     for step in trace.steps:
-        again = trace.still_gains(step)
+        blocks = trace.beside(step)
+        again = evaluated(step.chosen, blocks)
         others = sum((t for key, t in torques.items() if key != id(step)),
                      np.zeros_like(residual.residual))
-        found.append(_finding(model, better, residual, trace, step, again, others, odd))
+        found.append(_finding((model, better), residual, trace, step, again,
+                              others, odd, _shape_std(again, blocks, model, residual)))
     return tuple(found)
 
 
-def _finding(model, better, residual, trace, step, again, others, odd):
-    robot, chosen = model.robot, replace(step.chosen, parts=again.parts)
+def _shape_std(candidate, blocks, model, residual):
+    """Return {joint index: {shape: standard deviation}} of what was searched."""
+    found = {}
+    for hypothesis in hypotheses_of(candidate):
+        if hypothesis.shape and KNEE.name not in hypothesis.shape:
+            std = shape_std(hypothesis, blocks, model, residual)
+            found |= dict.fromkeys(hypothesis.columns, std)
+    return found
+
+
+def _finding(models, residual, trace, step, again, others, odd, searched):
+    (model, better), chosen = models, replace(step.chosen, parts=again.parts)
+    robot = model.robot
     torque = chosen.torque(robot.n)
     partial = residual.residual - others
     main = max(chosen.touched, key=lambda j: sum(
@@ -43,7 +58,7 @@ def _finding(model, better, residual, trace, step, again, others, odd):
     sure = significant(again) and (chosen.name == UNKNOWN or main not in odd)
     return Finding(
         chosen.name, _joints(robot, chosen),
-        _parameters(model, better, chosen), _explained(residual.residual, torque),
+        _parameters(model, better, chosen, searched), _explained(residual.residual, torque),
         _evidence(residual, trace, step, again, torque), _alternatives(robot, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
@@ -119,7 +134,7 @@ def _pictures(robot, residual, partial, chosen):
     return tuple(p for p in drawn if p is not None)[:_MOST_PICTURES]
 
 
-def _parameters(model, better, chosen):
+def _parameters(model, better, chosen, searched):
     """Return {name: (mean, std, unit)}: figures of the better model, and changes of old ones."""
     if chosen.name == UNKNOWN:
         return {}
@@ -127,7 +142,7 @@ def _parameters(model, better, chosen):
     for hypothesis, _ in chosen.parts:
         joint = '' if len(chosen.parts) == 1 else f' ({model.robot.joints[hypothesis.joint]})'
         values = _of_link(model, better, hypothesis) if chosen.name == 'link_inertia' \
-            else _of_effect(model, better, hypothesis)
+            else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint, {}))
         out |= {name + joint: value for name, value in values.items()}
     return out
 
@@ -140,7 +155,7 @@ def _of_link(model, better, hypothesis):
             for k, name in enumerate(PRODUCT_ORDER)}
 
 
-def _of_effect(model, better, hypothesis):
+def _of_effect(model, better, hypothesis, searched):
     effect = EFFECTS[hypothesis.name]
     new, old = _slice(better, hypothesis), _slice(model, hypothesis)
     if new is None:
@@ -155,7 +170,9 @@ def _of_effect(model, better, hypothesis):
                 for k, (name, unit) in enumerate(effect.parameters)}
     if effect.derived:
         out |= _derived(effect, use.shape, mean, covariance)
-    return out | {s.name: (use.told_shape[s.name], use.shape_std.get(s.name, np.nan), s.unit)
+    # A knee is estimated with the parameters, any other shape was searched.
+    std = {**searched, **use.shape_std}
+    return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 
 

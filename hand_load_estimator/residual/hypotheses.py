@@ -19,6 +19,8 @@ WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 KNOTS = 32
+# These have one cause for all joints of an arm: one hypothesis, however many joints show it.
+ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 # What an unknown effect may be a function of; torque through the gear includes the load's.
 VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque': 'gear'}
 
@@ -26,14 +28,15 @@ VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque
 @dataclass(frozen=True)
 class Hypothesis:
     """
-    One possible cause: name, joint index, columns {joint: (N, k)} in units of the prior's std.
+    One possible cause: name, joint index (None: the same on several), columns {joint: (N, k)} in
+    units of the prior's std.
 
     scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
     `unknown`, what it is a function of; trials: how many shapes were looked at to come to it.
     """
 
     name: str
-    joint: int
+    joint: int | None
     columns: dict
     scale: np.ndarray
     shape: dict = field(default_factory=dict)
@@ -64,6 +67,9 @@ def hypotheses(model, residual, blocks, warmed, done=()):
             yield _of_link(residual, j, links_prior)
         if not any((UNKNOWN, j, variable) in done for variable in VARIABLES):
             yield from functions(residual, model.robot.limits.torque, j)
+    for name in ONE_CAUSE:
+        if (name, None, '') not in done:
+            yield from _in_common(model, residual, EFFECTS[name], warmed)
     if ('base_tilt', 0, '') not in done:
         yield _tilt(model, residual)
 
@@ -77,6 +83,27 @@ def _of_effect(model, residual, blocks, effect, j):
     columns_of = _columns(model, effect, residual.x, j, [shape for shape, _ in found])
     for (shape, count), columns in zip(found, columns_of):
         yield Hypothesis(effect.name, j, {j: columns * scale}, scale, shape, trials=count)
+
+
+def _in_common(model, residual, effect, warmed):
+    """Yield hypotheses of one effect with the same parameters on all joints that tell of it."""
+    joints = [j for j in np.flatnonzero(residual.weights.any(axis=0)).tolist()
+              if j in warmed or 'warmth' not in effect.needs]
+    if len(joints) < 2:
+        return
+    scale = EFFECT_FACTOR * effect.std(model.robot.limits.torque[joints[0]])
+    shapes = product(*([(shape.name, value) for value in shape.grid] for shape in effect.shapes))
+    for shape in map(dict, shapes):
+        columns = _side_by_side(effect, residual.x, joints, shape)
+        yield Hypothesis(effect.name, None, {j: own * scale for j, own in columns.items()}, scale,
+                         shape)
+
+
+def _side_by_side(effect, x, joints, shape):
+    """Return the columns {joint: (N, k)} of an effect with the same shape on several joints."""
+    made = effect.columns(x, np.array(joints), {
+        name: np.full(len(joints), value) for name, value in shape.items()})
+    return {j: made[:, k] for k, j in enumerate(joints)}
 
 
 def _shapes(model, effect, residual, blocks, j):
@@ -162,6 +189,12 @@ def reshaped(hypothesis, factors, model, residual):
     j = hypothesis.joint
     shapes = [{name: value * factor for (name, value), factor
                in zip(hypothesis.shape.items(), those)} for those in factors]
+    if j is None:
+        joints = list(hypothesis.columns)
+        return [replace(hypothesis, shape=shape, columns={
+            i: own * hypothesis.scale for i, own in _side_by_side(
+                EFFECTS[hypothesis.name], residual.x, joints, shape).items()})
+            for shape in shapes]
     if hypothesis.name == 'presliding_hysteresis':
         columns = [(residual.friction_state(shape['presliding_distance'])[:, j]
                     - residual.x.z[:, j])[:, None] for shape in shapes]

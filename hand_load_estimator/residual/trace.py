@@ -11,9 +11,9 @@ from itertools import product
 
 import numpy as np
 
-from .candidate import alike, joined, significant, single, Step, tied
+from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, physical, price, refinable, reshaped
+from .hypotheses import hypotheses, ONE_CAUSE, physical, price, refinable, reshaped
 
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
@@ -28,8 +28,6 @@ UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
 # not the explanation.
 ADEQUATE = 0.6
-# These have one cause for all joints of an arm: one hypothesis, however many joints show it.
-ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 
 
 class Trace:
@@ -76,11 +74,13 @@ class Trace:
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
+        return evaluated(step.chosen, self.beside(step))
+
+    def beside(self, step):
+        """Return Blocks with all other steps for nuisances."""
         # A plain function would take the place of any effect of its variable.
-        blocks = self._blocks_of(other for other in self.steps + self.drifted
-                                 if other is not step and other.chosen.name != UNKNOWN)
-        parts = tuple((h, blocks.evaluate(h.columns)) for h, _ in step.chosen.parts)
-        return joined(step.chosen.name, parts)
+        return self._blocks_of(other for other in self.steps + self.drifted
+                               if other is not step and other.chosen.name != UNKNOWN)
 
     def _blocks_of(self, steps):
         """Return Blocks with the effects of some steps for nuisances."""
@@ -105,9 +105,10 @@ class Trace:
     def matters(self, candidate):
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
-        rms = np.sqrt(np.mean(torque ** 2, axis=0))
+        times = np.sqrt(np.mean(torque ** 2, axis=0)) / self._residual.noise
         least = UNKNOWN_RMS if candidate.name == UNKNOWN else LEAST_RMS
-        return bool((rms >= least * self._residual.noise).any())
+        # What joints have in common they show together.
+        return bool((np.linalg.norm(times) if candidate.common else times.max()) >= least)
 
     def _round(self):
         self._evaluate()
@@ -133,8 +134,8 @@ class Trace:
         simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
         others = [best, *(c for c in rivals if alike(best, c))]
         return Step(simplest, tuple(c for c in others if c.name not in (simplest.name, UNKNOWN)),
-                    next((c for c in [best, *rivals] if c is not simplest and c.gain > 0.0),
-                         None), needed)
+                    next((c for c in [best, *rivals] if c is not simplest and c.gain > 0.0
+                          and (c.name != simplest.name or c.name not in ONE_CAUSE)), None), needed)
 
     def _candidates(self):
         """Return the named candidates that are adequate, and the unknowns nothing explains."""
@@ -143,14 +144,11 @@ class Trace:
         scores = [pair for key, pair in self._scores.items()
                   if key not in self._taken and not unknown & set(pair[0].columns)
                   and physical(*pair, (pair[0].name, pair[0].joint) in self._declared)]
-        singles = [single(*pair) for pair in scores]
+        singles = [single(*pair) for pair in scores if pair[0].joint is not None]
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
         for name in ONE_CAUSE:
-            parts = [pair for pair in scores if pair[0].name == name]
-            strong = tuple(pair for pair in parts if self._strong(*pair))
-            if strong:
-                named.append(joined(name, strong))
+            named += self._of_the_arm([pair for pair in scores if pair[0].name == name])
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
@@ -159,6 +157,16 @@ class Trace:
         orphans = [c for j, c in best.items() if c is not None
                    and explained[j] < ADEQUATE * c.gain]
         return adequate + orphans
+
+    def _of_the_arm(self, pairs):
+        """Return the Candidates of one cause: on joints that show it, and the same on all."""
+        strong = tuple(pair for pair in pairs if pair[0].joint is not None
+                       and self._strong(*pair))
+        found = [joined(strong[0][0].name, strong)] if strong else []
+        # Where a joint has it already, the others do not have the same.
+        taken = {name for name, _, _ in self._taken}
+        return found + [in_common(*pair) for pair in pairs
+                        if pair[0].joint is None and pair[0].name not in taken]
 
     @staticmethod
     def _share(candidate, joint):
@@ -183,18 +191,20 @@ class Trace:
             score = self.blocks.evaluate(hypothesis.columns)
             tried += hypothesis.trials
             known = fresh.get(hypothesis.key)
-            if known is None or score.gain > known[1].gain + price(hypothesis, known[0]):
+            if known is None or _rank(hypothesis, score) > _rank(
+                    *known, price(hypothesis, known[0])):
                 fresh[hypothesis.key] = hypothesis, score
         for key, pair in fresh.items():
-            fresh[key] = self._refined(*pair)
+            fresh[key], more = self._refined(*pair)
+            tried += more
         self._scores |= fresh
         self.trials = max(self.trials, tried)
 
     def _refined(self, hypothesis, score):
-        """Return the pair with its nonlinear parameters searched between the grid's values."""
+        """Return the pair with its shape searched between the grid's values, number of trials."""
+        best, count = (hypothesis, score), 0
         if score.gain < LEAST_GAIN or not refinable(hypothesis):
-            return hypothesis, score
-        best = hypothesis, score
+            return best, count
         for step in (1.25, 1.12, 1.06):
             # Parameters that make up for one another are found together only.
             factors = [those for those in product((1.0 / step, 1.0, step),
@@ -202,8 +212,9 @@ class Trace:
                        if set(those) != {1.0}]
             tried = [(trial, self.blocks.evaluate(trial.columns)) for trial in
                      reshaped(best[0], factors, self._model, self._residual)]
-            best = max([best, *tried], key=lambda pair: pair[1].gain)
-        return best
+            best = max([best, *tried], key=lambda pair: _rank(*pair))
+            count += len(tried)
+        return best, count
 
     def _take(self, chosen):
         for hypothesis, _ in chosen.parts:
@@ -212,3 +223,9 @@ class Trace:
         self._taken |= {h.key for h, _ in chosen.parts}
         self._scores = {key: pair for key, pair in self._scores.items()
                         if not touched & set(pair[0].columns)}
+
+
+def _rank(hypothesis, score, more=0.0):
+    """Return what the better of two shapes has more of: sense, then nats."""
+    # Of a short delay only its product with the share shows: the share is to be a whole.
+    return hypothesis.name != 'time_delay' or physical(hypothesis, score, False), score.gain + more

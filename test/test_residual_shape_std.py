@@ -1,0 +1,81 @@
+"""Standard deviations of searched shapes: they hold the truth as often as they say."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_residual_parts import waving
+
+from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.residual.blocks import Blocks
+from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.ripple import likely_periods
+from hand_load_estimator.residual.shape_std import _std, shape_std
+
+MODEL = SimpleNamespace(uses=())
+
+
+def case(q, v, residual, weights):
+    """Return (Blocks, what holds the EffectInput) of one joint."""
+    blocks = Blocks(residual[:, None], weights[:, None], [np.zeros((len(q), 0))],
+                    np.arange(0, len(q), 200), np.arange(len(q) // 200) % 5)
+    x = SimpleNamespace(q=q[:, None], v=v[:, None], sign=np.sign(v)[:, None],
+                        warmth=np.zeros((len(q), 1)))
+    return blocks, SimpleNamespace(x=x)
+
+
+def std_of(name, shape, blocks, residual):
+    effect = EFFECTS[name]
+    columns = effect.columns(residual.x, 0, shape)
+    hypothesis = Hypothesis(name, 0, {0: columns}, np.ones(columns.shape[1]), shape)
+    return shape_std(hypothesis, blocks, MODEL, residual)
+
+
+@pytest.mark.parametrize('size', [0.3, 1.0])
+def test_periods_lie_within_their_interval(size):
+    """Of 24 ripples in noise as many as a normal distribution has; as wide as they scatter."""
+    errors, stds = [], []
+    for seed in range(24):
+        rows = waving(61.7, size, seed)
+        blocks, residual = case(*rows)
+        periods = float(likely_periods(*rows)[0][0])
+        stds.append(std_of('torque_ripple', {'periods': periods}, blocks, residual)['periods'])
+        errors.append(periods - 61.7)
+    z = np.array(errors) / stds
+    assert 0.5 < np.sqrt(np.mean(z ** 2)) < 1.4 and (np.abs(z) < 2.0).mean() > 0.85
+    assert np.std(errors) < 1.6 * np.median(stds) < 4.0 * np.std(errors)
+
+
+def test_a_larger_effect_is_known_better():
+    small, large = (std_of('torque_ripple', {'periods': 61.7}, *case(*waving(61.7, size)))
+                    for size in (0.3, 3.0))
+    assert 4.0 < small['periods'] / large['periods'] < 25.0
+
+
+def test_where_the_search_ended_beside_the_best_the_interval_reaches_it():
+    blocks, residual = case(*waving(61.7, 1.0))
+    best = std_of('torque_ripple', {'periods': 61.7}, blocks, residual)['periods']
+    beside = std_of('torque_ripple', {'periods': 61.7 + 3.0 * best}, blocks, residual)['periods']
+    assert 2.0 * best < beside < 5.0 * best
+
+
+def test_what_shows_nowhere_has_no_interval():
+    """Faster than every Stribeck velocity nothing of it is left."""
+    q, v, residual, weights = waving(61.7, 1.0)
+    told = std_of('stribeck_friction', {'stribeck_velocity': 1e-4},
+                  *case(q, np.full_like(v, 2.0), residual, weights))
+    assert np.isnan(told['stribeck_velocity'])
+
+
+def test_a_shape_without_a_maximum_leaves_the_others_their_interval():
+    cost, slopes = np.array([[4.0, 0.1, 0.0], [0.1, -1.0, 0.0], [0.0, 0.0, 1.0]]), np.zeros((3, 5))
+    np.testing.assert_allclose(_std(cost, slopes), [0.5, np.nan, 1.0])
+    # Two that make up for one another are each known worse than alone.
+    assert (_std(np.array([[1.0, 0.9], [0.9, 1.0]]), slopes[:2]) > 2.0).all()
+    assert np.isnan(_std(-np.eye(2), slopes[:2])).all()
+
+
+def test_blocks_that_disagree_widen_the_interval():
+    slopes = np.array([[3.0, -3.0, 3.0, -3.0]])
+    assert _std(np.eye(1), slopes)[0] == pytest.approx(6.0)
+    assert _std(np.eye(1), 0.1 * slopes)[0] == pytest.approx(1.0)
