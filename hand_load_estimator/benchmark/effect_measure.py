@@ -2,8 +2,6 @@
 
 import time
 
-import numpy as np
-
 from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
 from ..report.diagnosis_json import diagnosis_content
