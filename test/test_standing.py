@@ -10,7 +10,7 @@ from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
 from hand_load_estimator.simulate_motions import named_motion
 
-RUNS, SECONDS, RATE = 8, 10.0, 100.0
+RUNS, SECONDS, RATE = 6, 8.0, 100.0
 
 
 def standing(run):
@@ -62,5 +62,5 @@ def test_a_standing_arm_does_not_grow_surer_than_it_is_right(runs, method):
         assert last.std[0] > 0.6 * second.std[0]
         assert {e.status for e in estimates} == {'WAITING_FOR_MOTION'}
         assert not any(e.determined.any() for e in estimates)
-    # Three of eight outside an interval of 95 % have a chance of one in two hundred.
-    assert np.sum(inside) >= RUNS - 2
+    # Two of six outside an interval of 95 % have a chance of one in thirty; seeds are fixed.
+    assert np.sum(inside) >= RUNS - 1
