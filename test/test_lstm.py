@@ -20,6 +20,7 @@ from hand_load_estimator.learning.features import feature_count, features, REFRE
 from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers
+from hand_load_estimator.learning.regression_layer import chunk_sums
 from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
@@ -96,6 +97,7 @@ class Spy:
 
     def __init__(self, monkeypatch, model, artefact):
         self.inputs, self.samples, self.predictions, self.beliefs = [], [], [], []
+        self.trusts = []
         monkeypatch.setattr(lstm_module, 'features', self._features)
         self.pipeline = warm(pipeline_with(model, artefact))
         method = self.pipeline.method
@@ -105,6 +107,7 @@ class Spy:
             self.samples.append(sample)
             self.predictions.append(prediction)
             self.beliefs.append(update(sample, prediction))
+            self.trusts.append(method.trust.now)
             return self.beliefs[-1]
 
         method.update = spied
@@ -125,7 +128,12 @@ class Spy:
         columns = torch.tensor(np.array([joined_columns(p) for p in predictions]))[None]
         dt = torch.tensor([s.dt for s in samples])
         weights = dt[None, :, None] / density
-        *load, relative = bayes_pass(model.robot, columns, difference, weights)
+        sums = chunk_sums(columns, difference, weights, REFRESH)
+        # What was trusted when a chunk was complete.
+        trusts = self.trusts[REFRESH - 1:count:REFRESH]
+        precision = torch.tensor(np.array([d.precision.diagonal() for d in trusts]))[None]
+        factor = torch.tensor([d.factor for d in trusts])[None]
+        *load, relative = bayes_pass(model.robot, *sums, (precision, factor), columns, difference)
         slow = slow_residuals(load[0].numpy(), load[1].numpy(), density.numpy())
         inputs = features(
             model.robot.limits, (model.residuals.rmse, model.residuals.intensity),
@@ -136,7 +144,8 @@ class Spy:
             difference[0].numpy(), [x[0].numpy() for x in load], slow[:, 0], relative[0].numpy())
         return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
                 'difference': difference, 'weights': weights,
-                'level': torch.tensor(model.friction_level())[None]}
+                'level': torch.tensor(model.friction_level())[None], 'precision': precision,
+                'factor': factor}
 
 
 @pytest.fixture
@@ -353,6 +362,8 @@ def test_the_network_goes_on_from_a_checkpoint(robot, loud, tmp_path):
     feed(old, messages(model, block(3.0), 3.0))
     write_checkpoint(tmp_path / 'c', old.state(), belongs_to(old))
     restore_checkpoint(tmp_path / 'c', new, 60.0)
+    # How far the model is trusted since it settled counts from the next sample on.
+    old.method._learned.update_posterior()
     before, after = old.method.belief(), new.method.belief()
     std = np.sqrt(np.diag(before.covariance))
     np.testing.assert_allclose(after.mean / std, before.mean / std, atol=1e-3)

@@ -38,7 +38,7 @@ class Bayes(Watching):
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._gate.reason or self._watch.reason
+        return self._gate.reason or self._watch.reason or self.trust.misfit
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
@@ -76,6 +76,11 @@ class Bayes(Watching):
     def nuisances(self):
         """The model's uncertain directions (r,), as the present belief has them."""
         return self._known[10:]
+
+    @property
+    def trust(self):
+        """The ModelTrust that its estimates count with."""
+        return self._regression.trust
 
     def belief(self):
         """Return the present Belief."""

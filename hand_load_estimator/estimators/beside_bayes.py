@@ -27,7 +27,8 @@ class BesideBayes(Watching):
         self._function, self._prior = function, load_prior(robot)
         self._watcher = self._plain = Bayes(model, uncertainties)
         self._counted = LoadRegression(self._prior, robot.n, uncertainties,
-                                       robot.effort.torque_constants_std, watch=False)
+                                       robot.effort.torque_constants_std,
+                                       trust=self._plain.trust)
         self._restart()
 
     @property

@@ -83,6 +83,10 @@ class RecentData:
         """Return the Information of everything kept."""
         return self._closed.plus(self._open)
 
+    def closed(self):
+        """Return the Information of everything but the open piece."""
+        return self._closed
+
     def without_newest(self, count):
         """Return the Information of all but the open piece and the last `count` pieces."""
         return self._sum(self.older, list(self.pieces)[:-count])

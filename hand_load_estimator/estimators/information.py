@@ -9,7 +9,7 @@ mass has a place and a size; a few Gauss-Newton steps join it to the data.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -20,6 +20,25 @@ from .positive_solve import positive_solve, unit
 # Gauss-Newton steps from the last solution: at most so many, and none after one shorter than this
 # many standard deviations, which leaves an error of its square.
 STEPS, SHORT = 3, 0.01
+
+
+@dataclass(frozen=True)
+class Trust:
+    """
+    How far the torque model is trusted, less or as much as it states (model_trust.py).
+
+    precision (r, r): of the nuisances before any data, the identity as stated; factor: on the
+    variance of everything that torques tell.
+    """
+
+    precision: np.ndarray
+    factor: float = 1.0
+
+
+@lru_cache
+def as_stated(nuisances):
+    """Return the Trust of a model that is as it states, with so many nuisances."""
+    return Trust(unit(nuisances))
 
 
 @dataclass(frozen=True)
@@ -75,6 +94,13 @@ class Information:
         self.vector, self.matrix = self._sums[:, 0], self._sums[:, 1:]
         self.by_joint = np.zeros((n, d, 10))
 
+    @classmethod
+    def of(cls, matrix, vector):
+        """Return the Information of sums (d, d), (d,) without any joint's own."""
+        out = cls(0, len(vector) - 10)
+        out.matrix[:], out.vector[:] = matrix, vector
+        return out
+
     def add_rows(self, columns, difference, weights):
         """Add rows: columns (., d), difference (.,) [Nm], weights (.,) = precision."""
         weighted = columns.T * weights
@@ -100,52 +126,69 @@ class Information:
         np.add(self.by_joint, other.by_joint, out=out.by_joint)
         return out
 
+    def minus(self, other):
+        """Return what came since another Information of the same unknowns."""
+        out = Information(len(self.by_joint), len(self.vector) - 10)
+        np.subtract(self._sums, other._sums, out=out._sums)
+        np.subtract(self.by_joint, other.by_joint, out=out.by_joint)
+        return out
+
     def scale(self, factor):
         """Forget: multiply everything by a factor in [0, 1]."""
         self._sums *= factor
         self.by_joint *= factor
 
-    def without_last(self, count):
+    def without_last(self, count, trust=None):
         """
         Return an Information of the same size without the last `count` nuisances' data.
 
-        They are marginalised with their unit prior, as if their values were drawn anew from here
-        on: what was learnt of the others stays, as well as it was known.
+        They are marginalised with the prior of a Trust, as if their values were drawn anew from
+        here on: what was learnt of the others stays, as well as it was known.
         """
         kept = len(self.vector) - count
         out = Information(len(self.by_joint), len(self.vector) - 10)
-        inner = self.matrix[kept:, kept:] + np.eye(count)
+        last = slice(kept - 10, None)
+        inner = self.matrix[kept:, kept:] + (trust or self._stated()).precision[last, last]
         share = np.linalg.solve(inner, self.matrix[kept:, :kept]).T
         out.matrix[:kept, :kept] = self.matrix[:kept, :kept] - share @ self.matrix[kept:, :kept]
         out.vector[:kept] = self.vector[:kept] - share @ self.vector[kept:]
         out.by_joint[:, :kept] = self.by_joint[:, :kept] - share @ self.by_joint[:, kept:]
         return out
 
-    def load_share(self):
-        """Return (10, 10), (10,): information of the load with the nuisances marginalised."""
+    def load_share(self, trust=None):
+        """
+        Return (10, 10), (10,): information of the load with the nuisances marginalised.
+
+        trust: a Trust, or None for a model that is as it states.
+        """
+        trust = trust or self._stated()
         sums = self._sums
         if len(sums) > 10:
             sums = sums[:10, :11] - sums[:10, 11:].dot(
-                positive_solve(self._inner(), sums[10:, :11]))
-        matrix = sums[:, 1:]
-        return 0.5 * (matrix + matrix.T), sums[:, 0]
+                positive_solve(self.inner(trust), sums[10:, :11]))
+        matrix, scale = sums[:, 1:], 1.0 / trust.factor
+        return (0.5 * scale) * (matrix + matrix.T), scale * sums[:, 0]
 
-    def vectors_by_joint(self, products):
+    def vectors_by_joint(self, products, trust=None):
         """Return (n, 10): what each joint's load torque adds to the vector of load_share."""
-        vectors = self.by_joint @ products
+        trust = trust or self._stated()
+        vectors = self.by_joint @ products / trust.factor
         if len(self.vector) == 10:
             return vectors
-        solved = positive_solve(self._inner(), vectors[:, 10:].T)
+        solved = positive_solve(self.inner(trust), vectors[:, 10:].T)
         return vectors[:, :10] - solved.T @ self.matrix[10:, :10]
 
-    def nuisance_given(self, products):
+    def nuisance_given(self, products, trust=None):
         """Return the nuisances' mean (r,) for a known load."""
-        return positive_solve(self._inner(),
+        return positive_solve(self.inner(trust or self._stated()),
                               self.vector[10:] - self.matrix[10:, :10] @ products)
 
-    def _inner(self):
-        """Return (r, r): information of the nuisances, with their unit prior."""
-        return self.matrix[10:, 10:] + unit(len(self.vector) - 10)
+    def inner(self, trust):
+        """Return (r, r): information of the nuisances given the load, as a Trust has them."""
+        return self.matrix[10:, 10:] + trust.precision
+
+    def _stated(self):
+        return as_stated(len(self.vector) - 10)
 
 
 def shape_posterior(matrix, vector, prior, start):
@@ -173,23 +216,24 @@ def shape_posterior(matrix, vector, prior, start):
     return shape, (inverse + inverse.T) * prior.half_scale
 
 
-def posterior_of(information, prior, start, gain_doubt=0.0, tare=None):
+def posterior_of(information, prior, start, gain_doubt=0.0, tare=None, trust=None):
     """
     Return the Posterior of an Information.
 
     gain_doubt: relative standard deviation of each joint's torque constant; tare: covariance
-    (10, 10) of the products that were declared zero, or None.
+    (10, 10) of the products that were declared zero, or None; trust: as of load_share.
     """
-    matrix, vector = share_less_tare(information, tare)
+    matrix, vector = share_less_tare(information, tare, trust)
     shape, covariance = shape_posterior(matrix, vector, prior, start)
     if gain_doubt > 0.0:
-        covariance = covariance + gain_covariance(information, shape, covariance, gain_doubt)
+        covariance = covariance + gain_covariance(information, shape, covariance, gain_doubt,
+                                                  trust)
     return Posterior(shape, covariance)
 
 
-def share_less_tare(information, tare):
+def share_less_tare(information, tare, trust=None):
     """Return the load_share of an Information, with the doubt about what tare declared zero."""
-    matrix, vector = information.load_share()
+    matrix, vector = information.load_share(trust)
     if tare is None:
         return matrix, vector
     # An offset of covariance S_t in the products: information (L^-1 + S_t)^-1.
@@ -197,11 +241,11 @@ def share_less_tare(information, tare):
     return shrink @ matrix, shrink @ vector
 
 
-def gain_covariance(information, shape, covariance, gain_doubt):
+def gain_covariance(information, shape, covariance, gain_doubt, trust=None):
     """Return what doubtful torque constants add to a covariance (10, 10) in shape order."""
     # d u / d eps_i of a load torque misread by (1 + eps_i) on joint i alone.
     products, jacobian = products_and_jacobian_of_shape(shape)
-    moved = covariance @ jacobian.T @ information.vectors_by_joint(products).T
+    moved = covariance @ jacobian.T @ information.vectors_by_joint(products, trust).T
     return gain_doubt ** 2 * moved @ moved.T
 
 

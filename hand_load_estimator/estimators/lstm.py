@@ -109,7 +109,8 @@ class Lstm(Watching):
         # The doubt about torque constants is drawn in training, so the spread holds it already.
         self._watcher = self._plain = LoadRegression(self._prior, self._robot.n, uncertainties,
                                                      load_share=model.residuals.load_share)
-        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties, watch=False)
+        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
+                                       trust=self._plain.trust)
         self._rest = RestWatch(model.friction_level(), model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
@@ -121,9 +122,14 @@ class Lstm(Watching):
         self._restart()
 
     @property
+    def trust(self):
+        """The ModelTrust that its estimates count with."""
+        return self._plain.trust
+
+    @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._gate.reason or self._watch.reason
+        return self._gate.reason or self._watch.reason or self.trust.misfit
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""

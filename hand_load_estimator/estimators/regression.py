@@ -1,12 +1,15 @@
 """The recursive regression that `bayes` and `lstm` share: sums, posterior, load changes."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..load import products_jacobian_of_shape
 from ..torque_model import DRIFTS
 from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
-from .information import gain_covariance, Information, posterior_of, share_less_tare
+from .information import Trust, gain_covariance, Information, posterior_of, share_less_tare
 from .method import Belief, checked
+from .model_trust import ModelTrust
 
 # Data older than this much motion [s] fade: friction drifts as joints warm.
 MEMORY = 120.0
@@ -25,14 +28,16 @@ class LoadRegression:
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; load_share: as of Residuals, which the model's
-    variances were scaled by; watch: look for load changes in motion.
+    variances were scaled by; trust: the ModelTrust of a LoadRegression that looks for load
+    changes and for what the model does not foretell; without one it does so itself.
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
     how many pieces of recent data it reaches back. change (10, 10): covariance of what the products
     may change by when the load does.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, watch=True):
-        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, watch
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None):
+        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, trust is None
+        self.trust = trust or ModelTrust(prior, nuisances)
         self._joints = n
         # Variances scaled down make evidence of model error; so the threshold goes up with them.
         self._evidence = EVIDENCE / min(load_share, 1.0)
@@ -53,20 +58,28 @@ class LoadRegression:
             difference = difference - columns[:, :10] @ self._zero
         if self._recent.add(columns, difference, weights, moved) and self._watch:
             self._unchecked = sample.stamp
+            self.trust.take(self._recent.pieces[-1])
 
     def look_for_change(self):
-        """Test the newest data against older ones; forget the load if it changed."""
+        """
+        Test the newest data against older ones; forget the load if it changed.
+
+        If it did not, they tell how far the model is to be trusted.
+        """
         if self._unchecked is None:
             return
         stamp, self._unchecked = self._unchecked, None
         # The windows take turns, which halves the longest time a sample takes.
         self._turn = (self._turn + 1) % len(WINDOWS)
-        split = self._recent.split(WINDOWS[self._turn])
-        if split is None:
-            return
-        if self._evidence_of(split) > self._evidence:
+        window = WINDOWS[self._turn]
+        split = self._recent.split(window)
+        # Torques that vary so much more than stated make so much more evidence by themselves.
+        needed = self._evidence * self.trust.factor_before(window)
+        if split is not None and self._evidence_of(split) > needed:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change())
+        else:
+            self.trust.look(self._recent.closed(), self._start, self._tare)
 
     def update_posterior(self):
         """Solve for the Posterior of all data so far and return it."""
@@ -77,11 +90,12 @@ class LoadRegression:
     def load_information(self):
         """Return matrix (10, 10), vector (10,): what all data so far say about the products."""
         self._total = self._recent.total()
-        return share_less_tare(self._total, self._tare)
+        return share_less_tare(self._total, self._tare, self.trust.now)
 
     def gain_covariance(self, shape, covariance):
         """Return what doubtful torque constants add to a belief (10,), (10, 10) in shape order."""
-        return gain_covariance(self._total, shape, covariance, self._gain_doubt)
+        return gain_covariance(self._total, shape, covariance, self._gain_doubt,
+                               self.trust.now)
 
     def known(self):
         """
@@ -90,10 +104,16 @@ class LoadRegression:
         The products include what tare declared zero, because the torque does.
         """
         products = self.posterior.products
-        return np.concatenate([products + self._zero, self._total.nuisance_given(products)])
+        nuisance = self._total.nuisance_given(products, self.trust.now)
+        return np.concatenate([products + self._zero, nuisance])
 
     def forget(self):
-        """Forget the load."""
+        """Forget the load, and what was found of the model's agreement."""
+        if self._watch:
+            self.trust.clear()
+        self._forget_data()
+
+    def _forget_data(self):
         self._before = None
         self._recent.clear()
         self._unchecked = None
@@ -110,14 +130,17 @@ class LoadRegression:
         self.update_posterior()
         self._zero = self._zero + self.posterior.products
         self._tare = self.posterior.products_covariance
-        self.forget()
+        if self._watch:
+            self.trust.restart()
+        self._forget_data()
 
     def state(self):
         """Return {name: array}: what restore() goes on from."""
         total = self._recent.total()
         return {'matrix': total.matrix, 'vector': total.vector, 'by_joint': total.by_joint,
                 'start': self._start, 'zero': self._zero,
-                'tare': np.zeros((10, 10)) if self._tare is None else self._tare}
+                'tare': np.zeros((10, 10)) if self._tare is None else self._tare,
+                **{f'trust_{name}': value for name, value in self.trust.state().items()}}
 
     def restore(self, state):
         """
@@ -129,14 +152,20 @@ class LoadRegression:
         n, size = self._recent.size
         shapes = {'matrix': (10 + size, 10 + size), 'vector': (10 + size,),
                   'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
+        shapes |= {f'trust_{name}': np.shape(value)
+                   for name, value in self.trust.state().items()}
         state = checked(state, shapes)
         total = Information(n, size)
         total.matrix[:], total.vector[:] = state['matrix'], state['vector']
         total.by_joint[:] = state['by_joint']
-        self._recent.begin_with(total.without_last(DRIFTS * self._joints))
+        drifts, precision = DRIFTS * self._joints, state['trust_precision']
+        self._recent.begin_with(total.without_last(drifts, Trust(np.diag(precision))))
         self._unchecked = None
         self._start, self._zero = state['start'], state['zero']
         self._tare = state['tare'] if state['tare'].any() else None
+        if self._watch:
+            kept = np.arange(size) < size - drifts
+            self.trust.resume(state['trust_counts'], np.where(kept, precision, 1.0))
         self.update_posterior()
 
     def belief(self):
@@ -146,7 +175,7 @@ class LoadRegression:
     def _solve(self):
         self._total = self._recent.total()
         return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
-                            self._tare)
+                            self._tare, self.trust.now)
 
     def begin_anew(self, stamp, pieces=min(WINDOWS)):
         """
@@ -155,8 +184,11 @@ class LoadRegression:
         pieces: how many of the newest are no data of the old load, should it come back.
         """
         again = 0.0 <= stamp - self._returned < NOT_TWICE
-        before = None if again else (self._recent.without_newest(pieces), self._start)
-        self.forget()
+        before = None if again else (self._recent.without_newest(pieces), self._start,
+                                    self.trust.state())
+        if self._watch:
+            self.trust.begin_anew(pieces)
+        self._forget_data()
         self._before = before
         self.changes += 1
         self.last_change, self.changed_pieces = stamp, pieces
@@ -169,9 +201,11 @@ class LoadRegression:
         """
         if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
             return False
-        older, self._start = self._before
+        older, self._start, trust = self._before
         self._before, self._returned = None, stamp
         self._recent.begin_with(older)
+        if self._watch:
+            self.trust.resume(**trust)
         self._unchecked = None
         self.changes += 1
         self.last_change = stamp
@@ -191,11 +225,13 @@ class LoadRegression:
 
     def _older_belief(self, older):
         """Return mean (d,), precision (d, d) of load and nuisances from older data."""
-        posterior = posterior_of(older, self._prior, self._start)
+        trust = replace(self.trust.now, factor=1.0)
+        posterior = posterior_of(older, self._prior, self._start, trust=trust)
         precision = older.matrix.copy()
         precision[:10, :10] += self._change_precision
-        precision.ravel()[10 * (len(precision) + 1)::len(precision) + 1] += 1.0
-        mean = np.concatenate([posterior.products, older.nuisance_given(posterior.products)])
+        precision[10:, 10:] += trust.precision
+        mean = np.concatenate([posterior.products,
+                               older.nuisance_given(posterior.products, trust)])
         return mean, precision
 
 
