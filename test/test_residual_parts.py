@@ -27,7 +27,6 @@ from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effec
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
                                                  too_little_gained, warmed_joints)
 from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods
-from hand_load_estimator.residual.unknown import rhythm
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import effect_slices
 
@@ -269,15 +268,6 @@ def test_what_makes_its_joint_worse_where_nothing_was_fitted_is_suspected():
     assert [f.verdict for f in kept] == ['confirmed', 'suspected', 'suspected', 'confirmed',
                                          'confirmed', 'confirmed']
     assert len(told) == 1 and told[0].startswith('j1: backlash') and '1.2 Nm' in told[0]
-
-
-def test_the_rhythm_of_what_is_left():
-    residual = find_residual(declared_model(), recorded())
-    rest = residual.residual / noise_of(four_axes())
-    assert rhythm(residual, rest)[1] < 0.1
-    swinging = rest + 2.0 * np.sin(2.0 * np.pi * 1.7 * residual.time)[:, None]
-    frequency, share = rhythm(residual, swinging)
-    assert frequency == pytest.approx(1.7, abs=0.1) and share > 0.3
 
 
 # The better model.

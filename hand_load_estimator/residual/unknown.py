@@ -1,15 +1,18 @@
 """What no effect explains: joints whose residual keeps its structure, and its rhythm in time."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from .diagnosis import SUSPECTED, UNKNOWN, Evidence, Finding, Picture
+from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding, Picture
+from .rhythm import rhythm
 from .structure import followed
+from .trace import UNKNOWN_FACTOR
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
 SHARE, TIMES_NOISE = 0.5, 1.5
-# A function of one variable explains at least this share, a rhythm at least that.
-FOLLOWS, RHYTHMIC = 0.4, 0.3
-SPECTRUM = 512   # samples of one periodogram
+# A function of one variable explains at least this share.
+FOLLOWS = 0.4
 
 
 def left_over(robot, blocks):
@@ -40,46 +43,38 @@ def unknown_left(model, residual, rest, left, trace):
     """
     Return Findings for joints no effect explains: of the variable they follow, or in time.
 
-    Joints without a variable of their own are one finding, with the rhythm they show.
+    Joints without a variable of their own are one finding: confirmed where they ring, which
+    recordings tell that did not choose the frequency; else all that is known is that time goes on.
     """
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
     follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
-    found = [_finding(model, residual, rest, [j], variable, {}, trace.trials)
+    chance = Evidence(np.nan, np.nan, np.nan, len(residual.starts), trace.trials, np.nan)
+    found = [_finding(model, residual, rest, [j], variable, chance)
              for j, (variable, share) in follows.items() if share > FOLLOWS]
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if restless:
-        frequency, share = rhythm(residual, rest[:, restless])
-        parameters = {'frequency': (frequency, float('nan'), 'Hz')} if share > RHYTHMIC else {}
-        found.append(_finding(model, residual, rest, restless, 'time', parameters, trace.trials))
+        rings = rhythm(rest[:, restless], residual.x.v[:, restless], residual.dt, residual.owner)
+        needed = UNKNOWN_FACTOR * trace.needed
+        if rings is not None and rings.sure(needed):
+            evidence = Evidence(rings.gain, rings.gain_std, needed, rings.windows, trace.trials,
+                                np.nan)
+            found.append(_finding(model, residual, rest, restless, 'time', evidence, {
+                'frequency': (rings.frequency, rings.scatter, 'Hz')}, CONFIRMED))
+        else:
+            found.append(_finding(model, residual, rest, restless, 'time', chance))
     return tuple(found)
 
 
-def _finding(model, residual, rest, joints, variable, parameters, trials):
+def _finding(model, residual, rest, joints, variable, evidence, parameters=None,
+             verdict=SUSPECTED):
     rms = float(_rms(rest, residual.moving)[joints].max())
-    evidence = Evidence(np.nan, np.nan, np.nan, len(residual.starts), trials, rms)
     names = tuple(model.robot.joints[j] for j in joints)
-    return Finding(UNKNOWN, names, parameters, np.zeros(model.robot.n), evidence, (),
+    return Finding(UNKNOWN, names, parameters or {}, np.zeros(model.robot.n),
+                   replace(evidence, rms=rms), (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   SUSPECTED, (_picture(model, residual, rest, joints[0]),), (variable,))
-
-
-def rhythm(residual, rest):
-    """Return the strongest frequency [Hz] in rest (N, k) [Nm] and its share of the power."""
-    dt = float(np.median(residual.dt))
-    power = np.zeros(SPECTRUM // 2 + 1)
-    for owner in np.unique(residual.owner):
-        values = rest[residual.owner == owner]
-        for start in range(0, len(values) - SPECTRUM + 1, SPECTRUM // 2):
-            part = values[start:start + SPECTRUM]
-            part = (part - part.mean(axis=0)) * np.hanning(SPECTRUM)[:, None]
-            power += (np.abs(np.fft.rfft(part, axis=0)) ** 2).sum(axis=1)
-    if not power.any():
-        return 0.0, 0.0
-    peak = int(np.argmax(power[2:])) + 2
-    near = slice(max(peak - 3, 0), peak + 4)
-    return peak / (SPECTRUM * dt), float(power[near].sum() / power.sum())
+                   verdict, (_picture(model, residual, rest, joints[0]),), (variable,))
 
 
 def _picture(model, residual, rest, j):

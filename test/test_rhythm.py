@@ -1,0 +1,61 @@
+"""A residual that rings is told from one that is merely coloured, or moves as the arm does."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.residual.rhythm import rhythm
+
+STEP, SECONDS, JOINTS = 0.02, 40.0, 3
+NEEDED = 100.0   # [nats]
+
+
+def recorded(seed, memory=0.5, runs=4):
+    """Return coloured noise (N, JOINTS), slow speeds alike, dt, owner and time of some runs."""
+    rng = np.random.default_rng(seed)
+    count = int(SECONDS / STEP) * runs
+    noise, keep = rng.normal(size=(count, JOINTS)), np.exp(-STEP / memory)
+    for k in range(1, count):
+        noise[k] += keep * noise[k - 1]
+    time = STEP * np.arange(count)
+    speed = np.sin(2.0 * np.pi * 0.2 * time)[:, None] * np.ones(JOINTS)
+    return noise, speed, np.full(count, STEP), np.arange(count) // (count // runs), time
+
+
+@pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
+def test_coloured_noise_does_not_ring(memory):
+    for seed in range(6):
+        noise, speed, dt, owner, _ = recorded(seed, memory)
+        found = rhythm(noise, speed, dt, owner)
+        assert not found.sure(NEEDED) and found.gain < 15.0
+
+
+@pytest.mark.parametrize('frequency', [0.85, 1.7, 4.0])
+def test_what_swings_rings_with_its_frequency_however_strongly(frequency):
+    """Also where it pauses for a recording, and its amplitude grows."""
+    noise, speed, dt, owner, time = recorded(1)
+    strength = noise.std() * (1.0 + 3.0 * time / time[-1]) * (owner != 2)
+    swing = strength * np.sin(2.0 * np.pi * frequency * time)
+    found = rhythm(noise + swing[:, None], speed, dt, owner)
+    assert found.sure(NEEDED)
+    assert found.frequency == pytest.approx(frequency, rel=0.05)
+    assert found.share > 0.3 > found.own
+
+
+def test_the_motion_s_own_rhythm_is_no_discovery():
+    noise, speed, dt, owner, time = recorded(2)
+    swing = np.sin(2.0 * np.pi * 1.2 * time)[:, None]
+    found = rhythm(noise + 10.0 * swing, speed + 10.0 * swing, dt, owner)
+    assert found.gain > NEEDED and not found.sure(NEEDED)
+
+
+def test_one_joint_that_rings_is_no_account_of_the_others():
+    noise, speed, dt, owner, time = recorded(3)
+    noise[:, 0] += 10.0 * np.sin(2.0 * np.pi * 1.2 * time)
+    assert not rhythm(noise, speed, dt, owner).sure(NEEDED)
+    assert rhythm(noise[:, :1], speed[:, :1], dt, owner).sure(NEEDED)
+
+
+def test_short_recordings_and_silence_tell_nothing():
+    noise, speed, dt, owner, _ = recorded(4, runs=1)
+    assert rhythm(noise[:1000], speed[:1000], dt[:1000], owner[:1000]) is None
+    assert rhythm(np.zeros_like(noise), speed, dt, owner) is None
