@@ -30,6 +30,8 @@ WINDOWS = (2, 5, 10)
 ASSUMED = 3.0
 # What was compared longer ago than this much motion [s] fades.
 MEMORY = 30.0
+# A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
+STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
 MISFIT = 5.0
 # Directions told less than this, in units of each parameter's own, are rounding.
@@ -53,7 +55,7 @@ class ModelTrust:
 
     def clear(self):
         """Trust the model as it states."""
-        self._counts = np.zeros((2, len(WINDOWS)))
+        self._counts = np.zeros((3, len(WINDOWS)))
         self._past = deque([self._counts], maxlen=max(CHANGE_WINDOWS) + 2)
         self.restart()
 
@@ -75,7 +77,7 @@ class ModelTrust:
         return {'counts': self._counts.copy(), 'precision': self._precision.diagonal().copy()}
 
     def resume(self, counts, precision):
-        """Go on from a state(): counts (2, windows), precision (r,)."""
+        """Go on from a state(): counts (3, lengths), precision (r,)."""
         self._counts = np.array(counts)
         self._past = deque([self._counts], maxlen=self._past.maxlen)
         self.restart()
@@ -147,7 +149,7 @@ class _Window:
         self.pieces += 1
 
     def squares(self):
-        """Return b^T S^-1 b and the rank of S."""
+        """Return b^T S^-1 b, the rank of S, and 1 for the window."""
         rows = self._matrix[:10]
         b = self._vector[:10] - rows @ self._mean
         covariance = rows[:, :10] + rows @ self._covariance @ rows.T
@@ -155,7 +157,7 @@ class _Window:
         scale = 1.0 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
         values, axes = np.linalg.eigh(covariance * np.outer(scale, scale))
         told = values > LEAST_TOLD
-        return np.sum(((b * scale) @ axes[:, told]) ** 2 / values[told]), told.sum()
+        return np.sum(((b * scale) @ axes[:, told]) ** 2 / values[told]), told.sum(), 1.0
 
 
 def _joint(products_covariance, inner, slope):
@@ -175,5 +177,12 @@ def _joint(products_covariance, inner, slope):
 
 
 def _factor(counts):
-    """Return the factor on variances of counts (2, windows), at least 1."""
-    return max(1.0, float(((ASSUMED + counts[0]) / (ASSUMED + counts[1])).max()))
+    """
+    Return the factor on variances of counts (3, lengths): squares, ranks, windows; at least 1.
+
+    What so few windows tell is a Student's variance: its 95 % are wider than a normal's.
+    """
+    squares, ranks, windows = counts
+    factor = (ASSUMED + squares) / (ASSUMED + ranks)
+    student = 1.0 + STUDENT / (1.0 + windows)
+    return max(1.0, float((1.0 + (factor - 1.0) * student ** 2).max()))
