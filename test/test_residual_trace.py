@@ -12,7 +12,7 @@ from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.diagnosis import CONFIRMED, UNKNOWN
+from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import hypotheses, Hypothesis
 from hand_load_estimator.residual.trace import Trace
@@ -357,6 +357,15 @@ def test_what_has_no_name_is_unknown_with_its_variable():
     assert diagnosis.unexplained[2] > 0.3
     assert {(u.name, u.joint) for u in better.uses} \
         == {(u.name, u.joint) for u in declared_model().uses}
+
+
+@pytest.mark.parametrize('named, nameless, verdicts', [
+    (12.0, 2.5, {'viscous_friction': CONFIRMED, UNKNOWN: SUSPECTED}),
+    (3.0, 4.0, {'viscous_friction': SUSPECTED, UNKNOWN: SUSPECTED})])
+def test_a_small_rest_without_a_name_does_not_speak_against_a_large_effect(named, nameless,
+                                                                           verdicts):
+    diagnosis, _ = diagnosed(on(2, named, viscous), on(2, nameless, resonance))
+    assert {f.name: f.verdict for f in diagnosis.findings} == verdicts
 
 
 @pytest.mark.parametrize('doubt, expected', [(0.2, []), (1e-3, ['viscous_friction'])])

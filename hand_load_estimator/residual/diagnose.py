@@ -12,7 +12,7 @@ from ..sliding import sliding_rms
 from .add import better_model
 from .contact import contact
 from .correction import offered, with_correction
-from .diagnosis import UNKNOWN, Diagnosis
+from .diagnosis import Diagnosis
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
 from .find import find_residual
@@ -69,8 +69,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     old = better_model(model, (), evidence) if refitted else model
     before, after, floor = _errors(old, better, test)
     left = unexplained_joints(residual, rest)
-    odd = left + tuple(j for step in trace.steps if step.chosen.name == UNKNOWN
-                       for j in step.chosen.joints)
+    odd = left + trace.unexplained()
     findings = findings_of(model, better, residual, trace, odd) \
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)

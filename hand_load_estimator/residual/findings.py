@@ -24,7 +24,8 @@ def findings_of(model, better, residual, trace, odd=()):
     """
     Return the Findings of a finished Trace.
 
-    odd: joints with something unknown, where no effect is confirmed.
+    odd: joints with something unknown, where no effect is confirmed, and only there what has no
+    name.
     """
     torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
     found = []
@@ -55,7 +56,7 @@ def _finding(models, residual, trace, step, again, others, odd, searched):
     partial = residual.residual - others
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
-    sure = significant(again) and (chosen.name == UNKNOWN or main not in odd)
+    sure = significant(again) and (chosen.name == UNKNOWN) == (main in odd)
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched), _explained(residual.residual, torque),

@@ -28,6 +28,9 @@ UNEXPECTED = 3.0
 # An effect that explains less than this share of what a plain function of its variable does is
 # not the explanation.
 ADEQUATE = 0.6
+# What has no name and gains less than this share of what named effects gained at its joint is the
+# rest that their formulas leave, and speaks against none of them.
+REST = 0.1
 
 
 class Trace:
@@ -81,6 +84,20 @@ class Trace:
         # A plain function would take the place of any effect of its variable.
         return self._blocks_of(other for other in self.steps + self.drifted
                                if other is not step and other.chosen.name != UNKNOWN)
+
+    def unexplained(self):
+        """Return the indices of joints where what has no name is more than a rest."""
+        found = set()
+        for step in self.steps:
+            if step.chosen.name == UNKNOWN:
+                found |= {j for j in step.chosen.joints
+                          if step.chosen.gain >= REST * self._named(j)}
+        return tuple(sorted(found))
+
+    def _named(self, joint):
+        """Return what named effects gained at a joint [nats]."""
+        return sum(self._share(step.chosen, joint) for step in self.steps
+                   if step.chosen.name != UNKNOWN)
 
     def _blocks_of(self, steps):
         """Return Blocks with the effects of some steps for nuisances."""
