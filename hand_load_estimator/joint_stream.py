@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .commanded_positions import CommandedPositions
 from .input_guard import InputGuard
 from .motion import Motion, MotionFilter
 
@@ -28,6 +29,8 @@ class JointStream:
         self._joints = robot.joints
         self._guard = InputGuard(robot)
         self._filter = MotionFilter(robot.n)
+        lag = robot.file.command_lag
+        self._commands = None if lag is None else CommandedPositions(lag)
         self._read_at = np.full(robot.n, -np.inf)
         # No reading expires before this: joint states come too often to look at all of them.
         self._none_expires_before = -np.inf
@@ -55,6 +58,8 @@ class JointStream:
             return None
         if self._guard.restarted:
             self._filter.restart()
+        if self._commands is not None:
+            accepted = self._as_followed(stamp, accepted)
         self.accepted += 1
         self._expire_temperatures(stamp)
         gaps = self._filter.gaps
@@ -62,6 +67,11 @@ class JointStream:
         if self._filter.gaps > gaps:
             self._guard.rejected['gap'] += 1
         return sample
+
+    def _as_followed(self, stamp, commanded):
+        if self._guard.restarted:
+            self._commands.restart()
+        return self._commands.update(stamp, commanded)
 
     def temperature_reading(self, joint, celsius):
         """Note one joint's temperature; other names are passed over, broken values counted."""

@@ -11,6 +11,7 @@ from .load import LoadParameters
 from .load_file import parse_load
 
 EFFORT_KINDS = ('motor_torque', 'link_torque', 'motor_current')
+POSITION_SOURCES = ('feedback', 'command')
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,12 @@ class JointLimits:
 
 @dataclass(frozen=True)
 class RobotFile:
-    """The checked content of a robot file; `content` is a self-contained copy of it."""
+    """
+    The checked content of a robot file; `content` is a self-contained copy of it.
+
+    command_lag [s]: how far the arm is behind its commands where joint states hold these, None
+    where they hold what was measured.
+    """
 
     name: str
     urdf: str
@@ -58,6 +64,7 @@ class RobotFile:
     reference_temperature: float
     rated_load: LoadParameters
     effort: Effort
+    command_lag: float | None
     max_velocity: np.ndarray
     max_acceleration: np.ndarray
     max_torque: np.ndarray
@@ -85,6 +92,17 @@ def _effort(section, n):
         configured, _ = parse_load(section.section('configured_load'))
     section.refuse_unknown()
     return Effort(kind, constants, doubt, configured)
+
+
+def _command_lag(section):
+    """Return the lag [s] of commanded positions, or None for measured ones."""
+    if not section.has('position'):
+        return None
+    position = section.section('position')
+    commanded = position.text('source', POSITION_SOURCES) == 'command'
+    lag = position.number('lag', 0.0, 0.2) if commanded else None
+    position.refuse_unknown()
+    return lag
 
 
 def _urdf(section, folder):
@@ -121,6 +139,7 @@ def parse_robot(content, where, folder='.'):
         load_frame=section.text('load_frame'), gravity=gravity,
         reference_temperature=section.number('reference_temperature', -50.0, 150.0),
         rated_load=rated, effort=_effort(section.section('effort'), n),
+        command_lag=_command_lag(section),
         max_velocity=section.vector('max_velocity', n, 1e-6, 100.0),
         max_acceleration=section.vector('max_acceleration', n, 1e-6, 1000.0),
         max_torque=section.vector('max_torque', n, 1e-6, 1e6),

@@ -7,7 +7,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from hand_load_estimator.commanded_positions import CommandedPositions
+from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import real_torque
 
 CONSTANTS = [11.0, -9.0, 8.0, 5.0]
@@ -54,13 +57,62 @@ def test_e1_2_currents_and_torques_give_the_same_load(robot_name):
     assert abs(last.mean[0] - 3.0) < min(3.5 * last.std[0], 0.3)
 
 
-def test_e1_2_positions_may_be_the_commanded_ones():
-    """The arm follows 8 ms behind; messages hold the command, and no velocity is commanded."""
+LAG = 0.012   # [s] the arm is behind its commands
+
+
+def commanded(model, seconds=6.0, rate=125.0, velocity=True):
+    """Return what is measured of an arm with 3 kg, and the same with its commands for positions."""
+    sent = messages(model, block(3.0), seconds, rate=rate)
+    stamps, q, v = (np.array([getattr(m, name) for m in sent])
+                    for name in ('stamp', 'position', 'velocity'))
+    ahead = [np.array([np.interp(stamps + LAG, stamps, column) for column in values.T]).T
+             for values in (q, v)]
+    return sent, [replace(m, position=q, velocity=v if velocity else np.array([]))
+                  for m, q, v in zip(sent, *ahead)]
+
+
+def with_position(model, **position):
+    """Return a TorqueModel whose robot file says where positions come from."""
+    robot = robot_from_content({**model.robot.file.content, 'position': position}, 'commanded')
+    return replace(model, robot=robot)
+
+
+@pytest.mark.parametrize('velocity', [True, False])
+def test_e1_2_positions_may_be_the_commanded_ones(velocity):
+    """Told how far the arm is behind, the estimate is that of measured positions."""
     model = exact_model('ur10e')
-    sent = messages(model, block(3.0), 6.0, rate=125.0)
-    commanded = [replace(m, position=ahead.position, velocity=np.array([]))
-                 for m, ahead in zip(sent, sent[1:])]
-    measured, by_command = (feed(warm(pipeline_of(model)), stream)[-1]
-                            for stream in (sent, commanded))
-    print(measured.mean[:4], by_command.mean[:4], by_command.std[:4], by_command.status)
-    assert abs(by_command.mean[0] - measured.mean[0]) < 0.01 * model.robot.rated_load.mass
+    told = with_position(model, source='command', lag=LAG)
+    sent, ahead = commanded(model, velocity=velocity)
+    measured, by_command, untold = (
+        feed(warm(pipeline_of(which)), stream)[-1]
+        for which, stream in ((model, sent), (told, ahead), (model, ahead)))
+    off, off_untold = (np.abs(which.mean[:4] - measured.mean[:4]) / measured.std[:4]
+                       for which in (by_command, untold))
+    assert off.max() < 1.0 < off_untold.max()
+    assert not np.any(np.abs(by_command.mean[:4] - block(3.0).to_message()[:4])
+                      > 3.0 * by_command.std[:4])
+
+
+@pytest.mark.parametrize('position, said', [
+    ({'source': 'wish'}, 'source'), ({'source': 'command'}, 'lag'),
+    ({'source': 'command', 'lag': -0.1}, 'lag'), ({'source': 'command', 'lag': 1.0}, 'lag'),
+    ({'source': 'feedback', 'lag': 0.01}, 'lag')])
+def test_e1_2_a_position_that_means_nothing_is_refused(position, said):
+    with pytest.raises(ConfigurationError, match=said):
+        with_position(exact_model('four'), **position)
+
+
+def test_e1_2_measured_positions_are_the_rule():
+    assert exact_model('four').robot.file.command_lag is None
+    assert with_position(exact_model('four'), source='feedback').robot.file.command_lag is None
+
+
+def test_e1_2_commands_are_held_back_and_efforts_are_not():
+    commands = CommandedPositions(0.015)
+    seen = [commands.update(0.01 * k, np.array([[k], [10.0 * k], [100.0 * k]], dtype=float))
+            for k in range(6)]
+    np.testing.assert_allclose(np.array(seen)[:, :, 0], [
+        [0.0, 0.0, 0.0], [0.0, 0.0, 100.0], [0.5, 5.0, 200.0], [1.5, 15.0, 300.0],
+        [2.5, 25.0, 400.0], [3.5, 35.0, 500.0]], atol=1e-9)
+    commands.restart()
+    assert commands.update(9.0, np.full((3, 1), 7.0)).ravel().tolist() == [7.0, 7.0, 7.0]
