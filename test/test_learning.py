@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import torch
 
-from hand_load_estimator.estimators.information import Trust, Information, posterior_of
+from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.learning import calibration
 from hand_load_estimator.learning.calibration import calibrate, held_out_scores, TOLD
@@ -57,17 +57,15 @@ def test_the_layer_is_the_recursive_regression():
     weights = rng.uniform(0.1, 3.0, (steps, n))
     matrix, vector = chunk_sums(torch.tensor(columns)[None], torch.tensor(difference)[None],
                                 torch.tensor(weights)[None], SIZE)
-    trust = Trust(np.diag(rng.uniform(0.1, 1.0, r)), 2.5)
-    shape, covariance = shape_posterior(
-        *marginal(matrix, vector, torch.tensor(trust.precision.diagonal()),
-                  torch.tensor([trust.factor])), *map(torch.tensor, (prior.mean, prior.std)))
+    shape, covariance = shape_posterior(*marginal(matrix, vector), *map(
+        torch.tensor, (prior.mean, prior.std)))
     mean, variance = (x.numpy() for x in message_moments(shape, covariance))
     information, start = Information(n, r), prior.mean
     for k in range(steps):
         information.add_rows(columns[k], difference[k], weights[k])
         if k % SIZE == SIZE - 1:
             for _ in range(4):
-                posterior = posterior_of(information, prior, start, trust=trust)
+                posterior = posterior_of(information, prior, start)
                 start = posterior.shape
             std = np.sqrt(np.diag(posterior.covariance))
             chunk = k // SIZE

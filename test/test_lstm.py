@@ -13,6 +13,7 @@ from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
                                                        restore_checkpoint, write_checkpoint)
 from hand_load_estimator.estimators.lstm import Lstm, LstmCell
+from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.artefact import read_artefact, write_artefact
@@ -20,7 +21,6 @@ from hand_load_estimator.learning.features import feature_count, features, REFRE
 from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers
-from hand_load_estimator.learning.regression_layer import chunk_sums
 from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
@@ -97,7 +97,6 @@ class Spy:
 
     def __init__(self, monkeypatch, model, artefact):
         self.inputs, self.samples, self.predictions, self.beliefs = [], [], [], []
-        self.trusts = []
         monkeypatch.setattr(lstm_module, 'features', self._features)
         self.pipeline = warm(pipeline_with(model, artefact))
         method = self.pipeline.method
@@ -107,7 +106,6 @@ class Spy:
             self.samples.append(sample)
             self.predictions.append(prediction)
             self.beliefs.append(update(sample, prediction))
-            self.trusts.append(method.trust.now)
             return self.beliefs[-1]
 
         method.update = spied
@@ -128,12 +126,7 @@ class Spy:
         columns = torch.tensor(np.array([joined_columns(p) for p in predictions]))[None]
         dt = torch.tensor([s.dt for s in samples])
         weights = dt[None, :, None] / density
-        sums = chunk_sums(columns, difference, weights, REFRESH)
-        # What was trusted when a chunk was complete.
-        trusts = self.trusts[REFRESH - 1:count:REFRESH]
-        precision = torch.tensor(np.array([d.precision.diagonal() for d in trusts]))[None]
-        factor = torch.tensor([d.factor for d in trusts])[None]
-        *load, relative = bayes_pass(model.robot, *sums, (precision, factor), columns, difference)
+        *load, relative = bayes_pass(model.robot, columns, difference, weights)
         slow = slow_residuals(load[0].numpy(), load[1].numpy(), density.numpy())
         inputs = features(
             model.robot.limits, (model.residuals.rmse, model.residuals.intensity),
@@ -144,14 +137,18 @@ class Spy:
             difference[0].numpy(), [x[0].numpy() for x in load], slow[:, 0], relative[0].numpy())
         return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
                 'difference': difference, 'weights': weights,
-                'level': torch.tensor(model.friction_level())[None], 'precision': precision,
-                'factor': factor}
+                'level': torch.tensor(model.friction_level())[None]}
 
 
 @pytest.fixture
 def spied(monkeypatch, loud):
-    """Return (model, spy, network) after a stream; nothing fades, as in training."""
+    """
+    Return (model, spy, network) after a stream.
+
+    Nothing fades, and the model is trusted as it states, as in training.
+    """
     monkeypatch.setattr(regression, 'MEMORY', 1e12)
+    monkeypatch.setattr(ModelTrust, 'look', lambda *arguments: None)
     model, (network, artefact) = exact_model('four'), loud
     spy = Spy(monkeypatch, model, artefact)
     feed(spy.pipeline, messages(model, block(2.0), 4.0))

@@ -41,15 +41,15 @@ def pieces_of(count, seed, nuisance=None, beside=None):
 
 def watched(pieces):
     """Return the ModelTrust after pieces, and the Posterior with and without it."""
-    trust, total, start = ModelTrust(PRIOR, R), Information(0, R), PRIOR.mean
+    trust, total = ModelTrust(PRIOR, R), Information(0, R)
     for piece in pieces:
         trust.take(piece)
         total.add(piece)
-        start = trust.look(total, start)
+        trust.look(total, PRIOR.mean)
     posteriors = []
     for how in (trust.now, None):
-        best = start
-        for _ in range(5):
+        best = PRIOR.mean
+        for _ in range(20):
             best = posterior_of(total, PRIOR, best, trust=how).shape
         posteriors.append(posterior_of(total, PRIOR, best, trust=how))
     return trust, *posteriors
@@ -103,27 +103,27 @@ def test_what_no_direction_explains_widens_every_interval():
 
 def test_a_window_is_compared_with_the_belief_before_it():
     """Rank of what is told, and its squares near it, where everything is as stated."""
-    trust, total, start = ModelTrust(PRIOR, R), Information(0, R), PRIOR.mean
+    trust, total = ModelTrust(PRIOR, R), Information(0, R)
     for piece in pieces_of(WINDOWS[-1] * 40, 3):
         trust.take(piece)
         total.add(piece)
-        start = trust.look(total, start)
+        trust.look(total, PRIOR.mean)
     squares, ranks, _ = trust.state()['counts']
     np.testing.assert_allclose(squares / ranks, 1.0, atol=0.25)
 
 
 def test_what_a_change_of_the_load_seemed_to_say_of_the_model_is_forgotten():
-    trust, total, start = ModelTrust(PRIOR, R), Information(0, R), PRIOR.mean
+    trust, total = ModelTrust(PRIOR, R), Information(0, R)
     for piece in pieces_of(20, 1):
         trust.take(piece)
         total.add(piece)
-        start = trust.look(total, start)
+        trust.look(total, PRIOR.mean)
     before = trust.now.factor
     heavier = 30.0 * np.ones(N)
     for piece in pieces_of(4, 2, beside=lambda q, v: heavier):
         trust.take(piece)
         total.add(piece)
-        start = trust.look(total, start)
+        trust.look(total, PRIOR.mean)
     assert trust.now.factor > 3.0 * before
     assert trust.factor_before(4) == pytest.approx(before)
     trust.begin_anew(4)
@@ -133,13 +133,13 @@ def test_what_a_change_of_the_load_seemed_to_say_of_the_model_is_forgotten():
 
 def test_old_comparisons_fade(monkeypatch):
     monkeypatch.setattr(model_trust, 'MEMORY', 10.0 * PIECE)
-    trust, total, start = ModelTrust(PRIOR, R), Information(0, R), PRIOR.mean
+    trust, total = ModelTrust(PRIOR, R), Information(0, R)
     factors = []
     for k, piece in enumerate(pieces_of(10, 1, beside=lambda q, v: 5.0 * np.sin(5.0 * q))
                               + pieces_of(60, 1)):
         trust.take(piece)
         total.add(piece)
-        start = trust.look(total, start)
+        trust.look(total, PRIOR.mean)
         factors.append(trust.now.factor)
     assert factors[9] > MISFIT and factors[-1] < 0.3 * factors[9]
 

@@ -94,13 +94,6 @@ class Information:
         self.vector, self.matrix = self._sums[:, 0], self._sums[:, 1:]
         self.by_joint = np.zeros((n, d, 10))
 
-    @classmethod
-    def of(cls, matrix, vector):
-        """Return the Information of sums (d, d), (d,) without any joint's own."""
-        out = cls(0, len(vector) - 10)
-        out.matrix[:], out.vector[:] = matrix, vector
-        return out
-
     def add_rows(self, columns, difference, weights):
         """Add rows: columns (., d), difference (.,) [Nm], weights (.,) = precision."""
         weighted = columns.T * weights
@@ -124,13 +117,6 @@ class Information:
         out = Information(len(self.by_joint), len(self.vector) - 10)
         np.add(self._sums, other._sums, out=out._sums)
         np.add(self.by_joint, other.by_joint, out=out.by_joint)
-        return out
-
-    def minus(self, other):
-        """Return what came since another Information of the same unknowns."""
-        out = Information(len(self.by_joint), len(self.vector) - 10)
-        np.subtract(self._sums, other._sums, out=out._sums)
-        np.subtract(self.by_joint, other.by_joint, out=out.by_joint)
         return out
 
     def scale(self, factor):

@@ -106,7 +106,7 @@ class ModelTrust:
         Judge what came since the last look.
 
         information: all Information so far; start: shape (10,) to begin at; tare: as of
-        posterior_of. Returns the shape (10,) of the model as it states.
+        posterior_of.
         """
         stated = Trust(self._precision)
         posterior = posterior_of(information, self._prior, start, tare=tare, trust=stated)
@@ -118,7 +118,6 @@ class ModelTrust:
         self._precision = np.diag(1.0 / np.maximum(needed, 1.0))
         self._judge((posterior.products, nuisance, joint))
         self._renew()
-        return posterior.shape
 
     def _judge(self, belief):
         """Compare the windows that are full, and begin others with a belief."""

@@ -33,8 +33,7 @@ def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
     matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
     picked = list(judged)
     shape, covariance = shape_posterior(
-        *marginal(*(values[:, picked].double() for values in (
-            matrix, vector, shard['precision'], shard['factor']))), prior_mean, prior_std)
+        *marginal(matrix[:, picked].double(), vector[:, picked].double()), prior_mean, prior_std)
     if network is not None:
         shape, covariance = adjusted(shape, covariance, shift, spread)
     std = torch.sqrt(torch.diagonal(covariance, dim1=-2, dim2=-1))

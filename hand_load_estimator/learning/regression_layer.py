@@ -27,18 +27,15 @@ def chunk_sums(columns, difference, weights, size):
     return matrix.cumsum(dim=1), vector.cumsum(dim=1)
 
 
-def marginal(matrix, vector, precision, factor):
-    """
-    Return the load's share (..., 10, 10), (..., 10) with the nuisances gone.
-
-    precision (..., r), factor (...): of estimators.model_trust.
-    """
+def marginal(matrix, vector):
+    """Return the load's share (..., 10, 10), (..., 10) with unit-variance nuisances gone."""
+    inner = matrix[..., 10:, 10:] + torch.eye(matrix.shape[-1] - 10, dtype=matrix.dtype,
+                                              device=matrix.device)
+    factor = torch.linalg.cholesky(inner)
     right = torch.cat([matrix[..., 10:, :10], vector[..., 10:, None]], dim=-1)
-    solved = torch.cholesky_solve(
-        right, torch.linalg.cholesky(matrix[..., 10:, 10:] + torch.diag_embed(precision)))
+    solved = torch.cholesky_solve(right, factor)
     cross = matrix[..., :10, 10:] @ solved
-    return ((matrix[..., :10, :10] - cross[..., :10]) / factor[..., None, None],
-            (vector[..., :10] - cross[..., 10]) / factor[..., None])
+    return matrix[..., :10, :10] - cross[..., :10], vector[..., :10] - cross[..., 10]
 
 
 def products_of_shape(shape):

@@ -8,10 +8,7 @@ import numpy as np
 import torch
 from safetensors.torch import load_file, save_file
 
-from ..estimators.information import Information
 from ..estimators.load_prior import load_prior
-from ..estimators.model_trust import ModelTrust
-from ..estimators.regression import MOVING
 from ..model_file import read_model
 from ..whole_file import whole_file
 from ..workers import end_with
@@ -30,46 +27,26 @@ def prior_tensors(robot):
     return torch.tensor(prior.mean), torch.tensor(prior.std)
 
 
-def trust_of(robot, matrix, vector, moving):
-    """
-    Return precision (B, C, r) of the nuisances and factor (B, C), as ModelTrust has them.
-
-    matrix (B, C, d, d), vector (B, C, d): information up to each chunk; moving (B, C): whether a
-    joint moves in it. At each chunk they come from the pieces before it, as in the running
-    estimator.
-    """
-    prior, r = load_prior(robot), matrix.shape[-1] - 10
-    precision, factor = np.empty((*moving.shape, r)), np.empty(moving.shape)
-    for case in range(len(moving)):
-        trust, start, before = ModelTrust(prior, r), prior.mean, Information(0, r)
-        for chunk, moves in enumerate(moving[case]):
-            precision[case, chunk] = trust.now.precision.diagonal()
-            factor[case, chunk] = trust.now.factor
-            if moves:
-                total = Information.of(matrix[case, chunk], vector[case, chunk])
-                trust.take(total.minus(before))
-                start, before = trust.look(total, start), total
-    return torch.tensor(precision), torch.tensor(factor)
-
-
-def bayes_pass(robot, matrix, vector, trust, columns, difference):
+def bayes_pass(robot, columns, difference, weights):
     """
     Return innovation [Nm], variance of the load's torque [Nm^2], that torque [Nm], (B, T, n)
     each, and relative std (B, T, 10), as the plain regression has them.
 
-    matrix, vector, trust: as trust_of takes and returns them. At each step the posterior of the
-    last finished chunk of REFRESH samples holds, as in the running estimator.
+    At each step they come from the posterior of the last finished chunk of REFRESH samples, as
+    in the running estimator.
     """
     mean, std = prior_tensors(robot)
-    load_matrix, load_vector = marginal(matrix, vector, *trust)
+    matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
+    load_matrix, load_vector = marginal(matrix.double(), vector.double())
     shape, covariance = shape_posterior(load_matrix, load_vector, mean, std)
     _, variance = message_moments(shape, covariance)
     _, prior_variance = message_moments(mean, torch.diag(std ** 2))
     products, jacobian = products_of_shape(shape)
     spread = jacobian @ covariance @ jacobian.transpose(-1, -2)
     nuisance = torch.linalg.solve(
-        matrix[..., 10:, 10:] + torch.diag_embed(trust[0]),
-        vector[..., 10:] - (matrix[..., 10:, :10] @ products[..., None]).squeeze(-1))
+        matrix[..., 10:, 10:].double() + torch.eye(matrix.shape[-1] - 10, dtype=torch.float64),
+        (vector[..., 10:].double()
+         - (matrix[..., 10:, :10].double() @ products[..., None]).squeeze(-1)))
     known = torch.cat([products, nuisance], dim=-1)
     first, slope = products_of_shape(mean)
     first = torch.cat([first, torch.zeros(nuisance.shape[-1], dtype=torch.float64)])
@@ -103,12 +80,7 @@ def make_shard(maker, robot, seeds):
     stack = {name: torch.tensor(np.stack([getattr(s, name) for s in sequences]))
              for name in vars(sequences[0])}
     weights = DT / stack['density']
-    sums = [values.double() for values in chunk_sums(
-        stack['columns'], stack['difference'], weights, REFRESH)]
-    moving = (stack['motion'][:, :, 1].abs() > MOVING).any(dim=-1)
-    trust = trust_of(robot, *(values.numpy() for values in sums),
-                       moving.unflatten(1, (-1, REFRESH)).any(dim=-1).numpy())
-    *load, relative = bayes_pass(robot, *sums, trust, stack['columns'], stack['difference'])
+    *load, relative = bayes_pass(robot, stack['columns'], stack['difference'], weights)
     slow = slow_residuals(load[0].numpy(), load[1].numpy(), stack['density'].numpy())
     inputs = np.stack([features(
         robot.limits, (s.rmse, s.intensity), np.moveaxis(s.motion, 1, 0), s.warmth,
@@ -116,8 +88,7 @@ def make_shard(maker, robot, seeds):
         slow[:, k], relative[k].numpy()) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
-            'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe'],
-            'precision': trust[0], 'factor': trust[1]}
+            'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe']}
 
 
 def _write_shard(model_path, seeds, path, make):
