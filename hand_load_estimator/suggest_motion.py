@@ -114,11 +114,12 @@ class MotionSuggester:
         self._level = model.friction_level()
         self._candidates = sorted(self._all(), key=lambda candidate: candidate.cost)
 
-    def suggest(self, mean, covariance, pose, temperature):
+    def suggest(self, mean, covariance, pose, temperature, factor=1.0):
         """
         Return the Suggestion for a belief and an arm standing at pose (n,) [rad].
 
-        mean (10,), covariance (10, 10) in message order; temperature (n,) [degC], NaN: unknown.
+        mean (10,), covariance (10, 10) in message order; temperature (n,) [degC], NaN: unknown;
+        factor: how many times as large the variances of torques are as the model states.
         """
         now = np.sqrt(np.diag(covariance))
         open_ = now >= self._thresholds
@@ -127,7 +128,7 @@ class MotionSuggester:
         wanted = wanted if wanted.any() else open_
         best, best_std = (None, now)
         if open_.any():
-            best, best_std = self._best(_Belief(mean, covariance), pose, temperature, wanted)
+            best, best_std = self._best(_Belief(mean, covariance, factor), pose, temperature, wanted)
         names = np.array(MESSAGE_ORDER)
         if best is None:
             return Suggestion(tuple(names[open_]), (), (), None, now, now)
@@ -225,14 +226,18 @@ class MotionSuggester:
 
 
 class _Belief:
-    """A belief in message order, to which information about the products is added."""
+    """
+    A belief in message order, to which information about the products is added.
 
-    def __init__(self, mean, covariance):
+    factor: on the variances that the information counts with.
+    """
+
+    def __init__(self, mean, covariance, factor):
         self.std = np.sqrt(np.diag(covariance))
-        self._jacobian = products_jacobian_of_message(mean) * self.std
+        self._jacobian, self._factor = products_jacobian_of_message(mean) * self.std, factor
         self._precision = np.linalg.inv(covariance / np.outer(self.std, self.std))
 
     def after(self, matrix):
         """Return std (10,) once information (10, 10) about the products is added."""
-        precision = self._precision + self._jacobian.T @ matrix @ self._jacobian
+        precision = self._precision + self._jacobian.T @ (matrix / self._factor) @ self._jacobian
         return self.std * np.sqrt(np.maximum(np.diag(np.linalg.inv(precision)), 0.0))

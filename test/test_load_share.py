@@ -88,7 +88,7 @@ def test_the_watch_judges_by_what_is_stated(samples, predicted):
     """Friction of a joint grows: the ratio to the stated residual is that of any load_share."""
     ratios = []
     belief = SimpleNamespace(mean=LOAD.to_message(), covariance=np.zeros((10, 10)))
-    method = SimpleNamespace(belief=lambda: belief, tared=np.zeros(10), changes=0)
+    method = SimpleNamespace(belief=lambda: belief, tared=np.zeros(10), changes=0, factor=1.0)
     for share in SHARES:
         model = model_of(share)
         watch = ResidualWatch(model.robot.joints, model.residuals.intensity)

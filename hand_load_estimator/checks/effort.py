@@ -33,7 +33,7 @@ def check_effort(signals, robot, load):
     direction = _oriented(fit_gravity([columns[j] for j in moving], gravity,
                                       np.mean([f.spread for f in fits.values()])), fits, robot)
     findings = [_unit(fits, robot, load), _sign(fits, robot), _compensation(fits),
-                _gravity(direction, robot), _delay(signals, terms, gravity, _told(fits)),
+                _gravity(direction, robot), _delay(signals, terms, gravity, _told(fits), robot),
                 saturation]
     told = _told(fits)
     if told and _POSSIBLE_GAIN[0] <= _typical_gain(told) <= _POSSIBLE_GAIN[1]:
@@ -195,17 +195,21 @@ def _gravity(direction, robot):
                    'mounted')
 
 
-def _delay(signals, terms, gravity, told):
+def _delay(signals, terms, gravity, told, robot):
     # Where friction is nearly all, its slow build-up after a reversal looks like a delay.
     delay, std = fit_delay(signals, terms, gravity, list(told)) if told else (np.nan, np.inf)
     if not std < 0.012:
         return Finding('delay', UNKNOWN, 'reversals are too few or too slow to tell', _RECORD)
     text = f'effort {1e3 * delay:+.1f} +- {1e3 * std:.1f} ms late against the position'
+    if robot.file.command_lag is not None:
+        delay -= robot.file.command_lag
+        text += f', {1e3 * delay:+.1f} ms beyond the lag of the robot file'
     allowed = max(0.015, 1.5 / signals.rate, 3.0 * std)
     if abs(delay) <= allowed:
         return Finding('delay', OK, text)
     return Finding('delay', DOUBT if abs(delay) < 0.05 else WRONG, text, 'stamp position and '
-                   'effort together; a filter on one of them delays it')
+                   'effort together; a filter on one of them delays it; commanded positions need '
+                   '`position` in the robot file')
 
 
 def _saturation(signals, robot):

@@ -46,6 +46,7 @@ class Bayes(Watching):
         columns = joined_columns(prediction)
         innovation, spread, torque = innovation_of(prediction, columns, self._known,
                                                    self._regression.posterior)
+        self.innovation, self.spread = innovation, spread
         contact = self._gate.update(prediction, innovation, torque, sample.dt)
         changed = self._rest.update(sample, innovation, spread)
         if changed:

@@ -67,8 +67,9 @@ class BesideBayes(Watching):
 
     def tare(self):
         """Make what is held now the new zero."""
-        self._plain.tare()
+        # What is declared zero was found with the trust that the plain regression ends.
         self._counted.tare()
+        self._plain.tare()
         self._restart()
 
     def _begin_anew(self):

@@ -96,6 +96,11 @@ def _check_robot(model, path, robot):
             f'model {path}', 'belongs to another robot',
             f'{own.name}: {", ".join(own.joints)}; {own.effort.kind}',
             f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
+    if own.file.command_lag != robot.file.command_lag:
+        raise ConfigurationError(
+            f'model {path}', 'was identified with another `position` in the robot file',
+            f'lag {own.file.command_lag} s', f'lag {robot.file.command_lag} s',
+            'identify again, with the robot file as it is')
     apart = arm_difference(own, robot)
     if apart:
         raise ConfigurationError(

@@ -11,6 +11,7 @@ from collections import deque
 
 import numpy as np
 
+from ..load import products_jacobian_of_shape
 from .information import Information
 from .positive_solve import positive_solve, unit
 
@@ -21,6 +22,16 @@ WINDOWS = (3, 10)
 # Evidence needed: a log Bayes factor at which chance needs e^-25 of luck. Model error is not
 # chance, hence so high.
 EVIDENCE = 25.0
+# A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
+LEAST_CHANGE_MASS = 1.0
+
+
+def change_covariance(prior):
+    """Return the covariance (10, 10) of what the products may change by when the load does."""
+    shape = prior.mean.copy()
+    shape[0] = max(shape[0], LEAST_CHANGE_MASS)
+    jacobian = products_jacobian_of_shape(shape)
+    return jacobian @ np.diag(prior.std ** 2) @ jacobian.T
 
 
 def log_bayes_factor(recent, older_mean, older_precision, change):

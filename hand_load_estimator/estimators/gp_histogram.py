@@ -5,7 +5,7 @@ Mass and centre of mass share one lattice of four parameters; the inertia follow
 steps, three moments and then three products of inertia on lattices of their own. Densities come
 from sums, so a lattice may be laid anew at any time and nothing is interpolated.
 
-The residual's variance is what the data so far say, at least what is stated: a sample that does
+The residual's variance is what the data so far say, at least what is stated and trusted: a sample that does
 not fit widens every candidate's error, and where that raises the entropy more than the sample
 lowers it, the sample does not count (eq. 9). The wider variance stays, so a lasting contradiction
 comes to count; and after LOCKED seconds of motion in which nothing counted everything does, so
@@ -97,7 +97,7 @@ class GpHistogram(BesideBayes):
 
     def _opens(self, sample, prediction, columns, weights):
         """Tell whether a sample counts, and note how well it fits."""
-        expected = self._variance + self._plain.spread + prediction.stuck
+        expected = self._plain.factor * (self._variance + self._plain.spread + prediction.stuck)
         ratio = min(float(np.mean(self._plain.innovation ** 2 / expected)), LARGEST_RATIO)
         scale = self._scale.after(ratio, sample.dt)
         lowered = self._entropy_with(prediction, columns, weights, scale.value) < self.entropy

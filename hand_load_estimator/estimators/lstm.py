@@ -107,8 +107,9 @@ class Lstm(Watching):
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
-        self._watcher = self._plain = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                                     load_share=model.residuals.load_share)
+        self._watcher = self._plain = LoadRegression(
+            self._prior, self._robot.n, uncertainties, load_share=model.residuals.load_share,
+            foretold_doubt=self._robot.effort.torque_constants_std)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
                                        trust=self._plain.trust)
         self._rest = RestWatch(model.friction_level(), model.noise)
@@ -187,8 +188,9 @@ class Lstm(Watching):
 
     def belief(self):
         """Return the present Belief."""
-        posterior = self._learned.posterior
-        std = np.sqrt(posterior.shape_covariance.diagonal())
+        posterior, stated = self._learned.widened(), self._learned.posterior
+        # The network was trained on models that are as they state: its unit is what they state.
+        std = np.sqrt(stated.shape_covariance.diagonal())
         shape = posterior.shape + self._shift * std
         wide = np.exp(self._spread)
         covariance = message_covariance(
@@ -204,8 +206,9 @@ class Lstm(Watching):
 
     def tare(self):
         """Make what is held now the new zero."""
-        self._plain.tare()
+        # What is declared zero was found with the trust that the plain regression ends.
         self._learned.tare()
+        self._plain.tare()
         self._restart()
 
     def state(self):

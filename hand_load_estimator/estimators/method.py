@@ -32,6 +32,7 @@ class Method(Protocol):
     last_change: float | None
     mismatch: str
     tared: np.ndarray
+    factor: float
 
     def update(self, sample, prediction) -> Belief:
         """Take one MotionSample with its Prediction; return the belief after it."""
@@ -43,7 +44,7 @@ class Method(Protocol):
         """Return the present belief; the prior before any data."""
 
     def forget(self):
-        """Forget the load, keep what is known of the model."""
+        """Forget the load, and how well the model foretold its torques."""
 
     def tare(self):
         """Make what is held now the new zero."""

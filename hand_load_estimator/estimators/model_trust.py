@@ -12,24 +12,32 @@ stated deviations off is then found, and not taken for a load.
 Normalised innovations. For all else, every window of motion is compared with what the belief
 before it foretells: with b the load's score of the window and S its covariance, b^T S^-1 b is the
 rank of S on average where everything is as stated. What it is of that multiplies all variances.
+
+The load is any vector of products here, far beyond what a load of the robot may be: a prior in
+shape parameters is curved, and would itself be what the data contradict.
 """
 
 from collections import deque
 
 import numpy as np
 
-from .change import PIECE, WINDOWS as CHANGE_WINDOWS
-from .information import as_stated, Information, posterior_of, Trust
+from .change import PIECE
+from .information import as_stated, Information, Trust
 from .positive_solve import unit
 
 # Degrees of freedom of the tails.
 TAILS = 4.0
+# Prior standard deviations beyond the prior's mean: as heavy, and as far away, is any load.
+ANY_LOAD = 3.0
 # Windows, in pieces, that are compared; the worst of them counts.
 WINDOWS = (2, 5, 10)
 # Squares of agreement taken for granted, so that chance in the first windows widens nothing.
 ASSUMED = 3.0
 # What was compared longer ago than this much motion [s] fades.
 MEMORY = 30.0
+# Whether a load has changed is asked with the factor of so many pieces ago: a change that is not
+# noticed yet looks like a model that does not foretell.
+BEFORE = 20
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
 STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
@@ -42,45 +50,57 @@ class ModelTrust:
     """
     Follow the Trust in a torque model along pieces of Information.
 
-    prior: LoadPrior; nuisances: number r of directions in which the model may be wrong.
+    prior: LoadPrior; nuisances: number r of directions in which the model may be wrong; n joints
+    whose torque constants may be off by a share gain_doubt (n = 0: none).
     """
 
-    def __init__(self, prior, nuisances):
-        self._prior, self._nuisances = prior, nuisances
+    def __init__(self, prior, nuisances, n=0, gain_doubt=0.0):
+        self._size, self._gain_doubt = (n, nuisances), gain_doubt
         self._fade = np.exp(-PIECE / MEMORY)
-        start = posterior_of(Information(0, nuisances), prior, prior.mean)
-        self._first = start.products, np.zeros(nuisances), _joint(
-            start.products_covariance, unit(nuisances), np.zeros((nuisances, 10)))
+        self._any_load = any_load(prior)
+        self._begin(np.zeros((10, 10)))
         self.clear()
+
+    def _begin(self, tare):
+        """Believe in any load; tare (10, 10): covariance of what was declared zero."""
+        self._load_precision = np.linalg.inv(self._any_load + tare)
 
     def clear(self):
         """Trust the model as it states."""
-        self._counts = np.zeros((3, len(WINDOWS)))
-        self._past = deque([self._counts], maxlen=max(CHANGE_WINDOWS) + 2)
+        self._know(np.zeros((3, len(WINDOWS))))
         self.restart()
 
-    def restart(self):
-        """Begin with other data; what was learnt of the model's agreement stays."""
-        self._precision = as_stated(self._nuisances).precision
-        self._windows = [_Window(self._first, 10 + self._nuisances) for _ in WINDOWS]
+    def restart(self, tare=None):
+        """
+        Begin with other data; how well the model foretold stays.
+
+        tare: covariance (10, 10) of what was declared zero, None where that is as it was.
+        """
+        if tare is not None:
+            self._begin(tare)
+        self._precision = as_stated(self._size[1]).precision
+        # What nothing was measured before has nothing to be compared with.
+        self._windows = [None] * len(WINDOWS)
         self._renew()
 
     def begin_anew(self, pieces):
         """Begin with other data, of which the newest `pieces` were compared with the old belief."""
-        known = list(self._past)
-        self._counts = known[max(len(known) - 1 - pieces, 0)]
-        self._past = deque([self._counts], maxlen=self._past.maxlen)
+        self._know(self._counts_before(pieces))
         self.restart()
 
     def state(self):
         """Return {name: array}: what resume() goes on from in another run."""
-        return {'counts': self._counts.copy(), 'precision': self._precision.diagonal().copy()}
+        return self.state_before(0)
 
-    def resume(self, counts, precision):
-        """Go on from a state(): counts (3, lengths), precision (r,)."""
-        self._counts = np.array(counts)
-        self._past = deque([self._counts], maxlen=self._past.maxlen)
-        self.restart()
+    def state_before(self, pieces):
+        """Return the state() in which the newest `pieces` were not compared yet."""
+        return {'counts': self._counts_before(pieces).copy(),
+                'precision': self._precision.diagonal().copy()}
+
+    def resume(self, counts, precision, tare=None):
+        """Go on from a state(): counts (3, lengths), precision (r,); tare: as of restart."""
+        self._know(np.array(counts))
+        self.restart(tare)
         self._precision = np.diag(precision)
         self._renew()
 
@@ -89,90 +109,85 @@ class ModelTrust:
         """Why the model does not explain the torques, or an empty string."""
         factor = self.now.factor
         return '' if factor <= MISFIT else (
-            f'torques differ {np.sqrt(factor):.1f} times as much as load and model explain; all '
-            'intervals are wider by that')
+            f'torques differ {np.sqrt(factor):.1f} times as much as load and model explain')
 
-    def factor_before(self, pieces):
-        """Return the factor as it was so many pieces ago."""
-        return _factor(list(self._past)[max(len(self._past) - 1 - pieces, 0)])
+    def factor_before(self):
+        """Return the factor as it was before what a change of load may have brought."""
+        return _factor(self._counts_before(BEFORE))
 
     def take(self, piece):
         """Take a piece of Information that has just ended; look() judges it."""
-        for window in self._windows:
-            window.add(piece)
+        for window in filter(None, self._windows):
+            window.information.add(piece)
+            window.pieces += 1
 
-    def look(self, information, start, tare=None):
-        """
-        Judge what came since the last look.
-
-        information: all Information so far; start: shape (10,) to begin at; tare: as of
-        posterior_of.
-        """
-        stated = Trust(self._precision)
-        posterior = posterior_of(information, self._prior, start, tare=tare, trust=stated)
-        inner = np.linalg.inv(information.inner(stated))
-        slope = inner @ information.matrix[10:, :10]
-        nuisance = information.nuisance_given(posterior.products, stated)
-        joint = _joint(posterior.products_covariance, inner, slope)
-        needed = (TAILS + nuisance ** 2 + joint.diagonal()[10:]) / (TAILS + 1.0)
+    def look(self, information):
+        """Judge what came since the last look; information: all there is so far."""
+        precision = information.matrix.copy()
+        precision[:10, :10] += self._load_precision
+        precision[10:, 10:] += self._precision
+        covariance = np.linalg.inv(precision)
+        mean = covariance @ information.vector
+        needed = (TAILS + mean[10:] ** 2 + covariance.diagonal()[10:]) / (TAILS + 1.0)
         self._precision = np.diag(1.0 / np.maximum(needed, 1.0))
-        self._judge((posterior.products, nuisance, joint))
+        # What each joint's torque constant moves the mean by.
+        moved = covariance @ (information.by_joint @ mean[:10]).T
+        self._judge((mean, covariance, moved))
         self._renew()
 
     def _judge(self, belief):
         """Compare the windows that are full, and begin others with a belief."""
-        self._counts = self._counts * self._fade
+        counts = self._counts * self._fade
         for k, (window, length) in enumerate(zip(self._windows, WINDOWS)):
-            if window.pieces >= length:
-                self._counts[:, k] += window.squares()
-                self._windows[k] = _Window(belief, 10 + self._nuisances)
-        self._past.append(self._counts)
+            full = window is not None and window.pieces >= length
+            if full:
+                counts[:, k] += window.squares(self._gain_doubt)
+            if full or window is None:
+                self._windows[k] = _Window(belief, self._size)
+        self._counts = counts
+        self._past.append(counts)
+
+    def _know(self, counts):
+        self._counts = counts
+        self._past = deque([counts], maxlen=BEFORE + 1)
+
+    def _counts_before(self, pieces):
+        return self._past[max(len(self._past) - 1 - pieces, 0)]
 
     def _renew(self):
         self.now = Trust(self._precision, _factor(self._counts))
 
 
+def any_load(prior):
+    """Return the covariance (10, 10) of the products of any load around nothing."""
+    mass = prior.mean[0] + ANY_LOAD * prior.std[0]
+    reach = np.linalg.norm(prior.mean[1:4]) + ANY_LOAD * prior.std[1:4].max()
+    return np.diag(mass * reach ** np.array([0, 1, 1, 1, 2, 2, 2, 2, 2, 2])) ** 2
+
+
 class _Window:
-    """Pieces since a belief: products (10,), nuisances (r,), covariance (10 + r, 10 + r)."""
+    """
+    Pieces since a belief: mean (10 + r,) of products and nuisances, its covariance, and what
+    torque constants move it by (10 + r, n).
+    """
 
     def __init__(self, belief, size):
-        self._mean = np.concatenate(belief[:2])
-        self._covariance = belief[2]
-        self._vector, self._matrix = np.zeros(size), np.zeros((size, size))
-        self.pieces = 0
+        self._mean, self._covariance, self._moved = belief
+        self.information, self.pieces = Information(*size), 0
 
-    def add(self, piece):
-        """Add an Information."""
-        self._vector += piece.vector
-        self._matrix += piece.matrix
-        self.pieces += 1
-
-    def squares(self):
+    def squares(self, gain_doubt):
         """Return b^T S^-1 b, the rank of S, and 1 for the window."""
-        rows = self._matrix[:10]
-        b = self._vector[:10] - rows @ self._mean
+        rows = self.information.matrix[:10]
+        b = self.information.vector[:10] - rows @ self._mean
         covariance = rows[:, :10] + rows @ self._covariance @ rows.T
+        # Misread torque constants move the window's torques and what was foretold of them.
+        misread = (self.information.by_joint[:, :10] @ self._mean[:10]).T - rows @ self._moved
+        covariance = covariance + gain_doubt ** 2 * misread @ misread.T
         # Masses and moments of inertia differ by orders of magnitude.
         scale = 1.0 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
         values, axes = np.linalg.eigh(covariance * np.outer(scale, scale))
         told = values > LEAST_TOLD
         return np.sum(((b * scale) @ axes[:, told]) ** 2 / values[told]), told.sum(), 1.0
-
-
-def _joint(products_covariance, inner, slope):
-    """
-    Return the covariance (10 + r, 10 + r) of products and nuisances.
-
-    inner (r, r): covariance of the nuisances for a known load, slope (r, 10): minus what they
-    change by with it.
-    """
-    r = len(inner)
-    out = np.empty((10 + r, 10 + r))
-    cross = slope @ products_covariance
-    out[:10, :10] = products_covariance
-    out[10:, :10], out[:10, 10:] = -cross, -cross.T
-    out[10:, 10:] = inner + cross @ slope.T
-    return out
 
 
 def _factor(counts):

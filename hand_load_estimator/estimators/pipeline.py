@@ -167,7 +167,7 @@ class Pipeline:
             self._suggester = MotionSuggester(self.model, self._thresholds)
         belief = self.method.belief()
         return self._suggester.suggest(belief.mean, belief.covariance, self._sample.q,
-                                       self._sample.temperature)
+                                       self._sample.temperature, self.method.factor)
 
     def reset(self):
         """Forget the load."""

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..load import products_jacobian_of_shape
 from ..torque_model import DRIFTS
-from .change import EVIDENCE, WINDOWS, RecentData, log_bayes_factor
+from .change import change_covariance, EVIDENCE, log_bayes_factor, RecentData, WINDOWS
 from .information import Trust, gain_covariance, Information, posterior_of, share_less_tare
 from .method import Belief, checked
 from .model_trust import ModelTrust
@@ -18,8 +17,6 @@ MOVING = 0.02
 # A change is taken back when it turns out within so long [s] to have been a contact, and not twice
 # within so long.
 TAKEN_BACK, NOT_TWICE = 1.5, 5.0
-# A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
-LEAST_CHANGE_MASS = 1.0
 
 
 class LoadRegression:
@@ -29,23 +26,28 @@ class LoadRegression:
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
     standard deviation of the torque constants; load_share: as of Residuals, which the model's
     variances were scaled by; trust: the ModelTrust of a LoadRegression that looks for load
-    changes and for what the model does not foretell; without one it does so itself.
+    changes and for what the model does not foretell; without one it does so itself, with
+    foretold_doubt for the relative standard deviation of the torque constants (gain_doubt unless
+    given, where the intervals hold that doubt otherwise).
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
     how many pieces of recent data it reaches back. change (10, 10): covariance of what the products
     may change by when the load does.
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None):
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None,
+                 foretold_doubt=None):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, trust is None
-        self.trust = trust or ModelTrust(prior, nuisances)
+        foretold_doubt = gain_doubt if foretold_doubt is None else foretold_doubt
+        # Only the doubt about torque constants asks for each joint's part.
+        size = n if max(gain_doubt, foretold_doubt) > 0.0 else 0, nuisances
+        self.trust = trust or ModelTrust(prior, nuisances, size[0], foretold_doubt)
         self._joints = n
         # Variances scaled down make evidence of model error; so the threshold goes up with them.
         self._evidence = EVIDENCE / min(load_share, 1.0)
-        # Only the doubt about torque constants asks for each joint's part.
-        self._recent = RecentData(n if gain_doubt > 0.0 else 0, nuisances, MEMORY)
+        self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.changed_pieces = 0, None, min(WINDOWS)
-        self.change = _change_covariance(prior)
+        self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._turn, self._unchecked = 0, None
         self._before, self._returned = None, -np.inf
@@ -71,18 +73,21 @@ class LoadRegression:
         stamp, self._unchecked = self._unchecked, None
         # The windows take turns, which halves the longest time a sample takes.
         self._turn = (self._turn + 1) % len(WINDOWS)
-        window = WINDOWS[self._turn]
-        split = self._recent.split(window)
+        split = self._recent.split(WINDOWS[self._turn])
         # Torques that vary so much more than stated make so much more evidence by themselves.
-        needed = self._evidence * self.trust.factor_before(window)
+        needed = self._evidence * self.trust.factor_before()
         if split is not None and self._evidence_of(split) > needed:
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change())
         else:
-            self.trust.look(self._recent.closed(), self._start, self._tare)
+            self.trust.look(self._recent.closed())
 
     def update_posterior(self):
-        """Solve for the Posterior of all data so far and return it."""
+        """
+        Solve for the Posterior of all data so far and return it.
+
+        Variances of torques are those stated: what is expected next is judged by it.
+        """
         self.posterior = self._solve()
         self._start = self.posterior.shape
         return self.posterior
@@ -131,7 +136,7 @@ class LoadRegression:
         self._zero = self._zero + self.posterior.products
         self._tare = self.posterior.products_covariance
         if self._watch:
-            self.trust.restart()
+            self.trust.restart(self._tare)
         self._forget_data()
 
     def state(self):
@@ -165,17 +170,26 @@ class LoadRegression:
         self._tare = state['tare'] if state['tare'].any() else None
         if self._watch:
             kept = np.arange(size) < size - drifts
-            self.trust.resume(state['trust_counts'], np.where(kept, precision, 1.0))
+            self.trust.resume(state['trust_counts'], np.where(kept, precision, 1.0),
+                              state['tare'])
         self.update_posterior()
 
     def belief(self):
-        """Return the Belief of the last posterior."""
-        return Belief(self.posterior.mean, self.posterior.covariance)
+        """Return the Belief as far as the model is trusted now."""
+        posterior = self.widened()
+        return Belief(posterior.mean, posterior.covariance)
+
+    def widened(self):
+        """Return the last posterior, with the variances of torques as they turn out to be."""
+        if self.trust.now.factor <= 1.0:
+            return self.posterior
+        return posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
+                            self._tare, self.trust.now)
 
     def _solve(self):
         self._total = self._recent.total()
         return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
-                            self._tare, self.trust.now)
+                            self._tare, replace(self.trust.now, factor=1.0))
 
     def begin_anew(self, stamp, pieces=min(WINDOWS)):
         """
@@ -184,8 +198,8 @@ class LoadRegression:
         pieces: how many of the newest are no data of the old load, should it come back.
         """
         again = 0.0 <= stamp - self._returned < NOT_TWICE
-        before = None if again else (self._recent.without_newest(pieces), self._start,
-                                    self.trust.state())
+        older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
+        before = None if again else (older, self._start, trust)
         if self._watch:
             self.trust.begin_anew(pieces)
         self._forget_data()
@@ -233,10 +247,3 @@ class LoadRegression:
         mean = np.concatenate([posterior.products,
                                older.nuisance_given(posterior.products, trust)])
         return mean, precision
-
-
-def _change_covariance(prior):
-    shape = prior.mean.copy()
-    shape[0] = max(shape[0], LEAST_CHANGE_MASS)
-    jacobian = products_jacobian_of_shape(shape)
-    return jacobian @ np.diag(prior.std ** 2) @ jacobian.T

@@ -20,6 +20,11 @@ class Watching:
         return self._watcher.tared
 
     @property
+    def factor(self):
+        """How many times as large the variances of torques are as the model states; at least 1."""
+        return self._watcher.trust.now.factor
+
+    @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
         return self._watcher.mismatch

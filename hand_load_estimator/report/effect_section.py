@@ -128,6 +128,13 @@ def _evidence(finding, joints):
             f'Its torque: {number_text(e.rms)} Nm RMS at the strongest joint.'])
     shares = [f'{share_text(s)} at {label_html(name)}'
               for name, s in zip(joints, finding.explained) if name in finding.joints]
+    if 'frequency' in finding.parameters and finding.variables == ('time',):
+        return '<h3>Evidence</h3>' + items_html([
+            f'It rings: windows of ten seconds gain {number_text(e.gain)} '
+            f'± {number_text(e.gain_std)} nats from the frequency that the others show; '
+            f'{number_text(e.needed)} were needed. No effect was fitted.',
+            f'Share of what is left that rings: {list_text(shares)}. '
+            f'What is left: {number_text(e.rms)} Nm RMS at the strongest joint.'])
     rival = 'No other explanation came close enough to be named.'
     if e.next_best is not None:
         behind = f', {number_text(e.margin)} nats behind' if e.margin is not None else ''

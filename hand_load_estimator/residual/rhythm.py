@@ -17,8 +17,14 @@ from .candidate import SIGMAS
 SECONDS = 10.0       # of a window
 SLOWEST = 0.6        # [Hz] below it the motion itself has its power
 LEAST_SHARE = 0.1    # of every joint's power: less is no account of what is left there
+# What a motion makes has no larger a share of its power at the frequency than the motion has. Of a
+# motion with this much at half the frequency it may have more.
+MOTION = 0.9         # of the residual's share
+PERIODIC = 0.8
 # Bins on either side that belong to a peak; those of a Hann window are not independent.
 HALF, DEPENDENT = 2, 1.5
+# Of a joint's mean power: what is below it is rounding.
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -26,13 +32,14 @@ class Rhythm:
     """
     The frequency [Hz] at which values stand out most, and its scatter from window to window.
 
-    share: of every joint's power at least this is near it; own: and of its speed's; gain, gain_std [nats]: of the likelihood of
-    windows by the others, and its standard error; windows: their number.
+    share (k,): of each joint's power that is near it; own: the largest share of any joint's
+    motion that may make it ring so; gain, gain_std [nats]: of the likelihood of windows by the
+    others, and its standard error; windows: their number.
     """
 
     frequency: float
     scatter: float
-    share: float
+    share: np.ndarray
     own: float
     gain: float
     gain_std: float
@@ -40,35 +47,38 @@ class Rhythm:
 
     def sure(self, needed):
         """Tell whether it gains `needed` [nats], beyond its standard error, and is no motion's."""
-        return (self.gain >= needed and self.gain > SIGMAS * self.gain_std
-                and self.share > max(LEAST_SHARE, 2.0 * self.own))
+        least = self.share.min()
+        return bool(self.gain >= needed and self.gain > SIGMAS * self.gain_std
+                    and least > LEAST_SHARE and self.own < MOTION * least)
 
 
-def rhythm(values, speed, dt, owner):
+def rhythm(values, motion, dt, owner):
     """
-    Return the Rhythm of values (N, k), or None for recordings too short to tell.
+    Return the Rhythm of values (N, k), or None for recordings that cannot tell.
 
-    speed (N, k): of the joints they belong to; dt (N,) [s]; owner (N,): number of the recording
-    a row is of.
+    motion (N, m): whatever of the arm's motion may make a residual: speeds and accelerations of
+    all joints; dt (N,) [s]; owner (N,): number of the recording a row is of.
     """
     step = float(np.median(dt))
     size = int(round(SECONDS / step))
+    slowest = max(int(np.ceil(SLOWEST * size * step)), 2 * HALF + 2)
     parts = [slice(first, first + size) for own in _runs(owner)
              for first in range(own.start, own.stop - size + 1, size)]
-    if len(parts) < 3:
+    if slowest >= (size // 2 + 1) // 2 or len(parts) < 3:
         return None
-    power, moved = (np.array([_periodogram(x[part]) for part in parts]) for x in (values, speed))
-    if not power.sum(axis=(0, 1)).all():
+    power, moved = (np.array([_periodogram(x[part]) for part in parts]) for x in (values, motion))
+    mean = power.mean(axis=(0, 1))
+    if not (mean > 0.0).all():
         return None
-    power /= power.sum(axis=(0, 1))
-    slowest = max(int(np.ceil(SLOWEST * size * step)), 2 * HALF + 2)
+    power = power / mean + ROUNDING
     peaks, gains = zip(*(_judged(power[k], np.delete(power, k, axis=0).mean(axis=0), slowest)
                          for k in range(len(parts))))
     peak = int(np.median(peaks))
     places = [_place(window, peak) / (size * step) for window in power.mean(axis=2)]
     return Rhythm(_place(power.mean(axis=(0, 2)), peak) / (size * step), float(np.std(places)),
-                  _near(power, peak), _near(moved, peak), float(np.sum(gains)),
-                  float(np.std(gains) * np.sqrt(len(gains))), len(parts))
+                  _near(power, peak, HALF),
+                  _of_motion(moved, peak),
+                  float(np.sum(gains)), float(np.std(gains) * np.sqrt(len(gains))), len(parts))
 
 
 def _runs(owner):
@@ -117,10 +127,17 @@ def _gained(power, bins, law, peaked):
                for sign, spectrum in ((1.0, law), (-1.0, peaked)))
 
 
-def _near(power, k):
-    """Return the least share over joints of power (windows, K, joints) near bin k."""
-    near = power[:, k - HALF:k + HALF + 1].sum(axis=(0, 1))
-    return float(np.min(near / np.maximum(power.sum(axis=(0, 1)), 1e-300)))
+def _of_motion(power, k):
+    """Return the largest share of a joint's motion (windows, K, m) that may ring at bin k."""
+    # What a joint does to and fro with one frequency makes residuals with twice that.
+    periodic = _near(power, round(k / 2), HALF // 2).max()
+    return float(max(_near(power, k, HALF).max(), periodic if periodic > PERIODIC else 0.0))
+
+
+def _near(power, k, half):
+    """Return the share (joints,) of power (windows, K, joints) within `half` of bin k."""
+    near = power[:, k - half:k + half + 1].sum(axis=(0, 1))
+    return near / np.maximum(power.sum(axis=(0, 1)), 1e-300)
 
 
 def _place(power, k):

@@ -55,26 +55,34 @@ def unknown_left(model, residual, rest, left, trace):
              for j, (variable, share) in follows.items() if share > FOLLOWS]
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if restless:
-        rings = rhythm(rest[:, restless], residual.x.v[:, restless], residual.dt, residual.owner)
+        motion = np.hstack([residual.x.v, residual.x.a])
+        rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
         needed = UNKNOWN_FACTOR * trace.needed
         if rings is not None and rings.sure(needed):
             evidence = Evidence(rings.gain, rings.gain_std, needed, rings.windows, trace.trials,
                                 np.nan)
-            found.append(_finding(model, residual, rest, restless, 'time', evidence, {
-                'frequency': (rings.frequency, rings.scatter, 'Hz')}, CONFIRMED))
+            found.append(_ringing(_finding(model, residual, rest, restless, 'time', evidence),
+                                  rings, restless))
         else:
             found.append(_finding(model, residual, rest, restless, 'time', chance))
     return tuple(found)
 
 
-def _finding(model, residual, rest, joints, variable, evidence, parameters=None,
-             verdict=SUSPECTED):
+def _ringing(finding, rings, joints):
+    """Return a Finding of joints (indices), confirmed by a Rhythm; explained: what rings."""
+    explained = finding.explained.copy()
+    explained[joints] = rings.share
+    return replace(finding, parameters={'frequency': (rings.frequency, rings.scatter, 'Hz')},
+                   explained=explained, verdict=CONFIRMED)
+
+
+def _finding(model, residual, rest, joints, variable, evidence):
     rms = float(_rms(rest, residual.moving)[joints].max())
     names = tuple(model.robot.joints[j] for j in joints)
-    return Finding(UNKNOWN, names, parameters or {}, np.zeros(model.robot.n),
+    return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
                    replace(evidence, rms=rms), (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   verdict, (_picture(model, residual, rest, joints[0]),), (variable,))
+                   SUSPECTED, (_picture(model, residual, rest, joints[0]),), (variable,))
 
 
 def _picture(model, residual, rest, j):

@@ -46,11 +46,16 @@ class Aged:
 
 @dataclass(frozen=True)
 class _Load:
-    """What is believed to be held: products (10,), their covariance, number of load changes."""
+    """
+    What is believed to be held: products (10,), their covariance, number of load changes.
+
+    factor: how much wider than stated the covariance is.
+    """
 
     products: np.ndarray
     covariance: np.ndarray
     changes: int
+    factor: float
 
     @staticmethod
     def of(method):
@@ -59,7 +64,8 @@ class _Load:
         jacobian = products_jacobian_of_message(belief.mean)
         # The torque holds what tare declared zero.
         return _Load(products_from_message(belief.mean) + method.tared,
-                     jacobian @ belief.covariance @ jacobian.T, method.changes)
+                     jacobian @ belief.covariance @ jacobian.T, method.changes,
+                     method.factor)
 
     def variance(self, columns):
         """Return the variance (..., n) [Nm^2] of the load's torque for columns (..., n, 10)."""
@@ -174,7 +180,8 @@ class ResidualWatch:
     def _review(self, load):
         """Count the blocks that are settled, with the load as it is believed now."""
         newest = list(self._waiting)[-REVIEW:]
-        if any((load.variance(block.columns) > LOAD_KNOWN * block.stated(self._density)).any()
+        known = LOAD_KNOWN * load.factor
+        if any((load.variance(block.columns) > known * block.stated(self._density)).any()
                for block in newest):
             return
         before, self._load = self._load, load
