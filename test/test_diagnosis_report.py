@@ -67,6 +67,16 @@ def unknown():
                  lambda v: v / (0.2 + (np.abs(v) - 1.0) ** 2) / 5.0, 0.08),), ('velocity',))
 
 
+def swing():
+    """Return structure of two joints that rings with one frequency."""
+    time = np.linspace(0.0, 10.0, 200)
+    return Finding(
+        UNKNOWN, JOINTS[3:5], {'frequency': (0.88, 0.015, 'Hz')},
+        np.array([0.0, 0.0, 0.0, 0.62, 0.57, 0.0]),
+        Evidence(269.0, 46.0, 131.0, 12, 1900, 0.8), (), '', False, CONFIRMED,
+        (picture('wrist_1_joint', 'time [s]', time, lambda t: np.sin(5.5 * t)),), ('time',))
+
+
 def found():
     """Return a diagnosis with three findings."""
     return Diagnosis(
@@ -265,6 +275,14 @@ def test_what_was_not_fitted_claims_no_fit_and_no_motion():
     ringing = left_over({'frequency': (1.43, np.nan, 'Hz')})
     assert 'it rings with one frequency.' in Reader(diagnosis_page.page(
         dataclasses.replace(found(), findings=(ringing,)))).words()
+
+
+def test_what_rings_claims_no_fit_and_tells_its_evidence():
+    words = Reader(diagnosis_page.page(dataclasses.replace(
+        found(), findings=(swing(),)))).words()
+    assert 'gain 269 ± 46.0 nats' in words and '131 were needed' in words
+    assert 'No effect was fitted' in words and '62 %' in words
+    assert 'the model with it gains' not in words and 'No other explanation' not in words
 
 
 def test_where_no_motion_separates_none_is_offered():

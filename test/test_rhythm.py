@@ -1,9 +1,14 @@
 """A residual that rings is told from one that is merely coloured, or moves as the arm does."""
 
+from types import SimpleNamespace
+
+from core_helpers import four_axes
 import numpy as np
 import pytest
 
+from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.rhythm import rhythm
+from hand_load_estimator.residual.unknown import unknown_left
 
 STEP, SECONDS, JOINTS = 0.02, 40.0, 3
 NEEDED = 100.0   # [nats]
@@ -72,3 +77,24 @@ def test_a_joint_that_is_silent_for_a_while_hides_nothing():
     noise += 3.0 * np.sin(2.0 * np.pi * 1.7 * time)[:, None]
     noise[500:1000, 0] = 0.0
     assert rhythm(noise, speed, dt, owner).sure(NEEDED)
+
+
+@pytest.mark.parametrize('size, verdict', [(3.0, CONFIRMED), (0.0, SUSPECTED)])
+def test_what_is_left_is_confirmed_where_it_rings(size, verdict):
+    noise, speed, dt, owner, time = recorded(6)
+    rest = noise + size * noise.std() * np.sin(2.0 * np.pi * 1.3 * time)[:, None]
+    joints = four_axes().joints[:JOINTS]
+    x = SimpleNamespace(v=speed, a=np.gradient(speed, STEP, axis=0), q=speed, gear=speed)
+    residual = SimpleNamespace(
+        x=x, dt=dt, owner=owner, moving=np.ones(rest.shape, dtype=bool),
+        weights=np.ones(rest.shape), starts=np.arange(0, len(rest), 250), noise=noise.std(axis=0),
+        residual=rest, torque=rest)
+    model = SimpleNamespace(robot=SimpleNamespace(n=JOINTS, joints=joints))
+    trace = SimpleNamespace(steps=(), trials=1000, needed=NEEDED / 4.0)
+    found, = unknown_left(model, residual, rest, tuple(range(JOINTS)), trace)
+    assert found.verdict == verdict and found.variables == ('time',) and found.joints == joints
+    if verdict == CONFIRMED:
+        assert found.parameters['frequency'][0] == pytest.approx(1.3, rel=0.05)
+        assert (found.explained > 0.3).all() and found.evidence.gain > NEEDED
+    else:
+        assert not found.parameters and not found.explained.any()

@@ -2,14 +2,19 @@
 
 from dataclasses import replace
 
-from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+from core_helpers import (block, exact_model, feed, four_axes, messages, pipeline_of,
+                          recording_of, warm)
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 
 from hand_load_estimator.commanded_positions import CommandedPositions
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.model_file import write_model
+from hand_load_estimator.recording_check import check_recording
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque_columns import real_torque
 
@@ -116,3 +121,22 @@ def test_e1_2_commands_are_held_back_and_efforts_are_not():
         [2.5, 25.0, 400.0], [3.5, 35.0, 500.0]], atol=1e-9)
     commands.restart()
     assert commands.update(9.0, np.full((3, 1), 7.0)).ravel().tolist() == [7.0, 7.0, 7.0]
+
+
+def test_e1_2_a_model_of_other_positions_is_refused(tmp_path):
+    """Commands and measurements differ by a lag: a model of the one does not fit the other."""
+    model = exact_model('ur10e')
+    write_model(tmp_path / 'model.yaml', model)
+    content = {**model.robot.file.content, 'position': {'source': 'command', 'lag': 0.01}}
+    (tmp_path / 'robot.yaml').write_text(yaml.safe_dump(content), encoding='utf-8')
+    with pytest.raises(ConfigurationError, match='position.*identify again'):
+        build_pipeline(tmp_path / 'model.yaml', 'bayes', robot_path=tmp_path / 'robot.yaml')
+
+
+def test_e1_2_check_takes_the_lag_off(tmp_path):
+    sent, ahead = commanded(exact_model('ur10e'), 30.0)
+    robot = with_position(exact_model('ur10e'), source='command', lag=LAG).robot
+    told, untold = (next(f.text for f in check_recording(
+        recording_of(ahead, arm.joints), arm).findings if f.item == 'delay')
+        for arm in (robot, exact_model('ur10e').robot))
+    assert 'beyond the lag' in told and 'beyond' not in untold
