@@ -82,7 +82,7 @@ def test_a_model_that_is_as_it_states_is_trusted_as_it_states(load):
 
 
 def test_what_a_direction_of_the_model_is_off_by_is_not_taken_for_a_load():
-    """One nuisance at a hundred stated deviations: found, and the load's interval holds the truth."""
+    """One nuisance at a hundred stated deviations: found, and the interval holds the truth."""
     worst, kept = [], []
     for seed in range(10):
         nuisance = np.random.default_rng(seed).normal(size=R)

@@ -21,7 +21,6 @@ from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, p
                                                      same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.residual.diagnosis import Finding
-from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.findings import refuted, separating_motion
 from hand_load_estimator.residual.hypotheses import hats, Hypothesis, with_effect
 from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,

@@ -5,7 +5,7 @@ Mass and centre of mass share one lattice of four parameters; the inertia follow
 steps, three moments and then three products of inertia on lattices of their own. Densities come
 from sums, so a lattice may be laid anew at any time and nothing is interpolated.
 
-The residual's variance is what the data so far say, at least what is stated and trusted: a sample that does
+The residual's variance is what the data say, never less than what is trusted: a sample that does
 not fit widens every candidate's error, and where that raises the entropy more than the sample
 lowers it, the sample does not count (eq. 9). The wider variance stays, so a lasting contradiction
 comes to count; and after LOCKED seconds of motion in which nothing counted everything does, so

@@ -23,7 +23,6 @@ import numpy as np
 
 from .change import PIECE
 from .information import as_stated, Information, Trust
-from .positive_solve import unit
 
 # Degrees of freedom of the tails.
 TAILS = 4.0
