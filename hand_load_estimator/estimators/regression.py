@@ -6,7 +6,7 @@ import numpy as np
 
 from ..torque_model import DRIFTS
 from .change import change_covariance, EVIDENCE, log_bayes_factor, RecentData, WINDOWS
-from .information import Trust, gain_covariance, Information, posterior_of, share_less_tare
+from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
 from .method import Belief, checked
 from .model_trust import ModelTrust
 
