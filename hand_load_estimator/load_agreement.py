@@ -64,14 +64,18 @@ class Window:
         error = self.residual.reshape(-1) @ weighed
         through = weighed.T @ self.uncertain.reshape(len(weighed), -1)
         covariance = weighed.T @ load.reshape(-1, 10) + through @ through.T
-        # Masses and moments of inertia differ by orders of magnitude.
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        values, axes = np.linalg.eigh(covariance * np.outer(unit, unit))
-        # A standing arm, or one of few axes, tells nothing in some directions: b is zero there.
-        told = values > LEAST_TOLD
-        if not told.any():
-            return np.nan
-        return float(np.mean((error * unit @ axes[:, told]) ** 2 / values[told]))
+        square, rank = normalised_square(error, covariance)
+        return square / rank if rank else np.nan
+
+
+def normalised_square(error, covariance):
+    """Return b^T S^-1 b and the rank of S for an error b (k,) of covariance S (k, k)."""
+    # Masses and moments of inertia differ by orders of magnitude.
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    values, axes = np.linalg.eigh(covariance * np.outer(unit, unit))
+    # A standing arm, or one of few axes, tells nothing in some directions: b is zero there.
+    told = values > LEAST_TOLD
+    return float(np.sum((error * unit @ axes[:, told]) ** 2 / values[told])), int(told.sum())
 
 
 def share_left_out(system, left_out, weights, drift):

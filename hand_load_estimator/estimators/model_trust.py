@@ -21,6 +21,7 @@ from collections import deque
 
 import numpy as np
 
+from ..load_agreement import normalised_square
 from .change import PIECE
 from .information import as_stated, Information, Trust
 
@@ -41,8 +42,6 @@ BEFORE = 20
 STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
 MISFIT = 5.0
-# Directions told less than this, in units of each parameter's own, are rounding.
-LEAST_TOLD = 1e-9
 
 
 class ModelTrust:
@@ -182,11 +181,7 @@ class _Window:
         # Misread torque constants move the window's torques and what was foretold of them.
         misread = (self.information.by_joint[:, :10] @ self._mean[:10]).T - rows @ self._moved
         covariance = covariance + gain_doubt ** 2 * misread @ misread.T
-        # Masses and moments of inertia differ by orders of magnitude.
-        scale = 1.0 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
-        values, axes = np.linalg.eigh(covariance * np.outer(scale, scale))
-        told = values > LEAST_TOLD
-        return np.sum(((b * scale) @ axes[:, told]) ** 2 / values[told]), told.sum(), 1.0
+        return *normalised_square(b, covariance), 1.0
 
 
 def _factor(counts):
