@@ -12,6 +12,7 @@ import numpy as np
 from .errors import HandLoadError
 from .load import LoadParameters
 from .seeds import SHIPPED_MODEL_PLANT
+from .shared_files import share_folder
 
 _PERIOD = 0.2  # [s] between two looks at the nodes
 _LATE = 60.0  # [s] without a change of phase: something hangs
@@ -61,7 +62,7 @@ def _parameters(settings, load):
                       'load.inertia': vector[4:]},
         'estimator': {'robot': settings.robot, 'method': settings.method,
                       'use_sim_time': True},
-        'controller': {'robot': settings.robot, 'cycles': 1, 'use_sim_time': True},
+        'controller': {'robot': settings.robot, 'autostart': True, 'use_sim_time': True},
     }
 
 
@@ -77,7 +78,7 @@ class NodeProcesses:
             with open(self.log(name), 'wb') as log:
                 self._processes[name] = subprocess.Popen(
                     [sys.executable, '-m', f'{__package__}.nodes.{name}_node', '--ros-args',
-                     *arguments], stdout=log, stderr=subprocess.STDOUT,
+                     '--params-file', str(share_folder() / 'config' / f'{name}.yaml'), *arguments], stdout=log, stderr=subprocess.STDOUT,
                     stdin=subprocess.DEVNULL, start_new_session=True,
                     env={**os.environ, 'PYTHONUNBUFFERED': '1'})
 

@@ -12,6 +12,8 @@ SPEED_MARGIN = 5.0
 EFFORT_MARGIN = 3.0
 # Closer stamps [s] than any joint state has are one stamp written twice.
 SHORTEST_STEP = 1e-6
+# Orders of names remembered; a driver that invents names must not fill the memory.
+_MOST_ORDERS = 100
 
 
 class InputGuard:
@@ -40,11 +42,14 @@ class InputGuard:
         """
         Return (3, n): q, v, effort, or None.
 
-        v is NaN where the message has no velocity. `restarted` tells whether the clock or the
+        v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a joint
+        has no such interface. `restarted` tells whether the clock or the
         arm jumped before this message.
         """
         key = tuple(names)
         if key not in self._index_of:
+            if len(self._index_of) >= _MOST_ORDERS:
+                self._index_of.clear()
             self._index_of[key] = self._find(key)
         index = self._index_of[key]
         if index is None:
@@ -58,7 +63,7 @@ class InputGuard:
                           dtype=float)[:, index]
         # One look at everything: this runs a thousand times a second. NaN is within nothing.
         within = (signal >= self._least) & (signal <= self._most)
-        if not len(velocity):
+        if not len(velocity) or (not within[1].any() and np.isnan(signal[1]).all()):
             signal[1], within[1] = np.nan, True
         if not (within.all() and math.isfinite(stamp)):
             return self._reject(self._fault(stamp, signal, within))

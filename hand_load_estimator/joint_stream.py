@@ -14,8 +14,34 @@ TEMPERATURE_LIFE = 30.0
 
 def joint_index(name, joints):
     """Return which of the joints a name means, also behind a tf_prefix; None where not just one."""
+    if name in joints:
+        return joints.index(name)
     matches = [i for i, joint in enumerate(joints) if name.endswith(joint)]
     return matches[0] if len(matches) == 1 else None
+
+
+class TemperatureNames:
+    """
+    Which joint a temperature is of, where other arms' joints have the same names behind a prefix.
+
+    rejected: Counter of what is taken for another arm's: a joint keeps the first name that told of
+    it, and its own name wins.
+    """
+
+    def __init__(self, joints, rejected):
+        self._joints, self._rejected, self._name_of = joints, rejected, {}
+
+    def index(self, name):
+        """Return the joint's index, or None."""
+        index = joint_index(name, self._joints)
+        if index is None:
+            return None
+        if name == self._joints[index] or index not in self._name_of:
+            self._name_of[index] = name
+        if self._name_of[index] != name:
+            self._rejected['temperature_of_another_arm'] += 1
+            return None
+        return index
 
 
 class JointStream:
@@ -26,8 +52,8 @@ class JointStream:
     """
 
     def __init__(self, robot):
-        self._joints = robot.joints
         self._guard = InputGuard(robot)
+        self._names = TemperatureNames(robot.joints, self._guard.rejected)
         self._filter = MotionFilter(robot.n)
         lag = robot.file.command_lag
         self._commands = None if lag is None else CommandedPositions(lag)
@@ -75,7 +101,7 @@ class JointStream:
 
     def temperature_reading(self, joint, celsius):
         """Note one joint's temperature; other names are passed over, broken values counted."""
-        index = joint_index(joint, self._joints)
+        index = self._names.index(joint)
         if index is None:
             return
         low, high = PLAUSIBLE_TEMPERATURE

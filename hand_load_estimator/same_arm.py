@@ -8,36 +8,43 @@ import pinocchio as pin
 SAME_PLACE, SAME_DIRECTION = 0.010, 0.1    # [m], [rad]
 
 
-def arm_difference(one, other):
+def places_of(robot):
     """
-    Return in words where two Robots with the same joint names differ most, '' for the same arm.
+    Return where each joint of a Robot lies, as lists of 12 numbers a file can keep.
 
-    The first joint's place is left out: it says where the arm stands.
+    Offset (3) [m] and rotation vector (3) [rad] on its link, direction (6) of its motion in its
+    own frame. The first joint's place says where the arm stands and is zero here.
     """
-    apart = [(joint, *_joint_difference(one, other, j))
-             for j, joint in enumerate(one.joints, start=1)]
+    out = []
+    for j in range(1, robot.n + 1):
+        place = robot.model.jointPlacements[j] if j > 1 else pin.SE3.Identity()
+        axis = robot.model.joints[j].createData().S.ravel()
+        out.append(np.concatenate([place.translation, pin.log3(place.rotation), axis])
+                   .round(9).tolist())
+    return out
+
+
+def arm_difference(one, other):
+    """Return in words where two Robots with the same joint names differ most, '' for the same."""
+    return place_difference(places_of(one), other)
+
+
+def place_difference(places, robot):
+    """Return in words where places_of() an arm differ most from a Robot's, '' for the same arm."""
+    apart = [(joint, *_joint_difference(np.array(one), np.array(other)))
+             for joint, one, other in zip(robot.joints, places, places_of(robot))]
     joint, distance, _ = max(apart, key=lambda found: found[1])
     if distance > SAME_PLACE:
-        return f'{joint} lies {1e3 * distance:.0f} mm from where {other.name} has it'
+        return f'{joint} lies {1e3 * distance:.0f} mm from where {robot.name} has it'
     joint, _, angle = max(apart, key=lambda found: found[2])
     if angle > SAME_DIRECTION:
-        return f'{joint} is turned by {angle:.2f} rad from where {other.name} has it'
+        return f'{joint} is turned by {angle:.2f} rad from where {robot.name} has it'
     return ''
 
 
-def _joint_difference(one, other, j):
-    """Return distance [m] and angle [rad] between two arms' places of joint j on its link."""
-    turn, offset = np.zeros(3), np.zeros(3)
-    if j > 1:
-        places = [robot.model.jointPlacements[j] for robot in (one, other)]
-        offset = places[0].translation - places[1].translation
-        turn = pin.log3(places[0].rotation.T @ places[1].rotation)
-    axes = [_axis(robot, j) for robot in (one, other)]
+def _joint_difference(one, other):
+    """Return distance [m] and angle [rad] between two places (12,) of a joint."""
+    turn = pin.log3(pin.exp3(one[3:6]).T @ pin.exp3(other[3:6]))
     # A hinge and a slide have nothing in common: a quarter turn.
-    between = np.arccos(np.clip(axes[0] @ axes[1], -1.0, 1.0))
-    return np.linalg.norm(offset), max(np.linalg.norm(turn), between)
-
-
-def _axis(robot, j):
-    """Return the direction (6,) in which joint j moves, in its own frame, length 1."""
-    return robot.model.joints[j].createData().S.ravel()
+    between = np.arccos(np.clip(one[6:] @ other[6:], -1.0, 1.0))
+    return np.linalg.norm(one[:3] - other[:3]), max(np.linalg.norm(turn), between)

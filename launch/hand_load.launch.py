@@ -57,9 +57,12 @@ def generate_launch_description():
         _argument('model', '', 'torque model file: a path, or the short name of a shipped one; '
                   'empty: as the parameter files say'),
         _argument('namespace', '', 'namespace of all nodes and topics'),
-        _switch('use_sim_time', 'true', 'time comes from /clock; false with a real arm'),
-        _switch('simulate', 'true', 'start the simulator; false with a real arm'),
-        _switch('control', 'true', 'start the controller, which moves the arm'),
+        _switch('simulate', 'false', 'start the simulator in place of an arm: only where no arm and '
+                'no driver of one is on the same ROS domain'),
+        # With it unless told otherwise: a node that waits for a /clock of nobody does nothing.
+        _switch('use_sim_time', LaunchConfiguration('simulate'), 'time comes from /clock'),
+        _switch('control', 'false', 'start the controller, which moves the arm after '
+                'controller/start between the waypoints of controller_params'),
         _switch('record', 'false', 'record the topics of the interface to a rosbag2 (MCAP)'),
         *(_params_file(name) for name in ('simulator', 'estimator', 'controller')),
         _node('simulator', IfCondition(LaunchConfiguration('simulate'))),

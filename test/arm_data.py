@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from sensor_msgs.msg import JointState, Temperature
+from std_srvs.srv import Trigger
 
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.nodes.stamps import time_message
@@ -103,6 +104,17 @@ class Feeder:
             message = Temperature(temperature=celsius)
             message.header.frame_id = joint
             self._temperatures.publish(message)
+
+    def tare(self, samples):
+        """Play samples and have what is held tared while they are new; return the answer."""
+        for _ in range(5):
+            self.play(samples)
+            answer = self._listener.call(Trigger, 'estimator/tare', Trigger.Request())
+            self.epoch += int(1e9) + self.stamp(samples[-1][0]) - self.stamp(samples[0][0])
+            # On a busy machine they may be old before the call is there.
+            if 'STALE_INPUT' not in answer.message:
+                break
+        return answer
 
     def play(self, samples, change=None):
         """Publish samples in their rhythm; change(k, message) may alter or replace a message."""

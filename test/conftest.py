@@ -7,7 +7,9 @@ os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 
 import pytest  # noqa: E402
-from ros_helpers import Listener, NodeProcess, free_domain  # noqa: E402
+from ros_helpers import Listener, NodeProcess  # noqa: E402
+
+from hand_load_estimator.own_domain import free_domain  # noqa: E402
 
 
 @pytest.fixture

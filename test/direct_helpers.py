@@ -7,6 +7,7 @@ import torch
 from hand_load_estimator.estimators.build import determined_std
 from hand_load_estimator.estimators.direct import Direct
 from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.learning.artefact import arm_of
 from hand_load_estimator.learning.direct_artefact import (read_direct_artefact,
                                                           write_direct_artefact)
 from hand_load_estimator.learning.direct_calibration import RANGES
@@ -44,8 +45,8 @@ def inputs(robot, joints=None, count=40, seed=0):
 def artefact_of(folder, robot, network, factor=1.0):
     """Write a network as an artefact and return it as it is read."""
     shape = (len(network.design.parameters), RANGES)
-    card = {'joints': list(robot.joints), 'effort_kind': robot.effort.kind,
-            'network': network.design.network, 'recipe': {'design': vars(network.design)}}
+    card = {**arm_of(robot), 'network': network.design.network,
+            'recipe': {'design': vars(network.design)}}
     write_direct_artefact(folder, network, np.tile(np.arange(RANGES), (shape[0], 1)),
                           np.full(shape, factor), card)
     return read_direct_artefact(folder, robot, network.design.network)

@@ -24,13 +24,14 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import InertiaStamped
 from rclpy.serialization import serialize_message
 from rclpy.node import Node
-from ros_helpers import Listener, NodeProcess, free_domain, node_environment
+from ros_helpers import Listener, NodeProcess, node_environment
 from sensor_msgs.msg import JointState
 
 from hand_load_estimator.motion import BLOCK
 from hand_load_estimator.nodes.draining import subscribe_draining
 from hand_load_estimator.nodes.qos import OUTPUT, measurement
 from hand_load_estimator.nodes.runner import EventsExecutor, run_node
+from hand_load_estimator.own_domain import free_domain
 
 _LISTEN = 'estimator/load'
 

@@ -1,39 +1,15 @@
 """Run nodes as processes on a domain of their own and listen to them."""
 
-import fcntl
 import os
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# Domains above 101 may meet the ports Linux hands out; 0 is everybody's default.
-DOMAINS = range(1, 102)
-
-
-@contextmanager
-def free_domain():
-    """Yield a domain id held by a lock file, so that parallel test runs do not meet."""
-    folder = Path(tempfile.gettempdir())
-    start = os.getpid() % len(DOMAINS)
-    for k in range(len(DOMAINS)):
-        number = DOMAINS[(start + k) % len(DOMAINS)]
-        handle = open(folder / f'hand_load_domain_{number}.lock', 'a')
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            handle.close()
-            continue
-        try:
-            yield number
-        finally:
-            handle.close()
-        return
-    raise RuntimeError('all ROS domains are in use on this machine')
+CONTROLLER_YAML = ROOT / 'config' / 'controller.yaml'
 
 
 def node_environment(domain):

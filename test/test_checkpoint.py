@@ -91,7 +91,7 @@ def test_friction_may_have_drifted_meanwhile(model, before, path):
 def test_tare_and_load_changes_are_kept(model, tmp_path):
     old = warm(pipeline_of(model))
     feed(old, messages(model, block(1.0), 5.0, change=(3.0, block(3.0))))
-    old.tare()
+    old.tare(old.last_stamp)
     write_checkpoint(tmp_path / 'c', old.state(), belongs_to(old), now=1000.0)
     new = restored(tmp_path / 'c', pipeline_of(model))
     assert new.load_id == old.load_id == 1 and new.tared_mass == old.tared_mass

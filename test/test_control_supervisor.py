@@ -26,6 +26,7 @@ class Cell:
     def __init__(self, mass=2.0, start=HOME, model=MODEL, waypoints=WAYPOINTS, **settings):
         self.supervisor = Supervisor(model, CycleSettings(waypoints, dwell=0.5, home_dwell=0.2,
                                                           **settings))
+        self.supervisor.start()
         self.arm, self.now, self.mass = FakeArm(model, start), 50.0, mass
         self.estimating, self.hearing, self.ready = True, True, True
         self.residuals, self.velocities, self.sent = True, True, []
@@ -83,7 +84,7 @@ class Cell:
 def test_one_cycle_goes_through_its_phases_and_ends():
     cell = Cell()
     assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
-    assert cell.phases == [p for p in PHASES if p != 'stopped'][:6] + ['done']
+    assert cell.phases == [p for p in PHASES if p not in ('waiting', 'stopped')]
     np.testing.assert_allclose(cell.arm.state(cell.now)[0], HOME, atol=1e-6)
     taken = cell.arm.taken
     cell.run(2.0)
@@ -142,8 +143,13 @@ def test_a_collision_stops_with_a_braking_trajectory_and_waits_for_the_reset():
     assert not v.any() and cell.supervisor.phase == 'stopped'
     assert np.max(np.abs(q - FAR_PLACE)) > 0.05 and not cell.supervisor.moving
     cell.arm.push = np.zeros(6)
+    assert 'collision' in cell.supervisor.start(), 'a collision is cleared by reset() alone'
     cell.supervisor.reset()
     assert not cell.supervisor.detector.collided
+    taken = cell.arm.taken
+    cell.run(2.0)
+    assert cell.supervisor.phase == 'waiting' and cell.arm.taken == taken, 'a reset moves nothing'
+    assert not cell.supervisor.start()
     assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
 
 
@@ -189,6 +195,7 @@ def test_joint_states_that_stop_at_full_speed_give_no_jump(silence):
     if silence > 0.5:
         assert cell.supervisor.phase == 'stopped', 'only a reset goes on'
         cell.supervisor.reset()
+        cell.supervisor.start()
         assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
 
 
@@ -269,6 +276,51 @@ def test_a_trajectory_that_was_lost_is_sent_again():
     assert cell.run(30.0, lambda c: c.supervisor.phase == 'at_pick')
     counts = cell.supervisor.counts
     assert counts['off_path'] + counts['not_arrived'] >= 1
+
+
+def test_an_arm_that_is_held_is_not_set_off_by_its_release():
+    # A protective stop holds the arm while its joint states go on.
+    cell = Cell()
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'carrying')
+    cell.run(0.3)
+    held, take = cell.arm.state(cell.now)[0], cell.arm.take
+    cell.arm._plan, cell.arm._rest = None, held
+    cell.arm.take = lambda *_: None
+    assert cell.run(10.0, lambda c: c.supervisor.tries == 2 and c.supervisor.phase != 'stopped')
+    assert cell.run(10.0, lambda c: c.supervisor.phase == 'stopped')
+    assert '3 times in a row' in cell.supervisor.stop_reason
+    cell.arm.take, sent = take, len(cell.sent)
+    cell.run(20.0)
+    assert len(cell.sent) == sent and cell.supervisor.phase == 'stopped'
+    cell.supervisor.reset()
+    cell.supervisor.start()
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+
+
+def test_an_arm_without_velocities_that_somebody_moves_is_waited_for():
+    cell = Cell(start=HOME + 0.4)
+    cell.velocities = False
+    cell.arm.take(Trajectory([0.0, 2.0], [HOME + 0.4, HOME], np.zeros((2, 6)), np.zeros((2, 6))),
+                  cell.now - 0.8)
+    cell.run(0.6)
+    assert cell.supervisor.counts['motions'] == 0
+    assert cell.run(10.0, lambda c: c.supervisor.phase == 'at_pick')
+
+
+def test_what_is_held_beside_the_estimate_counts():
+    cell = Cell(mass=3.0)
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'carrying'
+                    and c.supervisor.policy.trusted)
+    policy, before = cell.supervisor.policy, cell.supervisor.policy.belief
+    # The status of a tare is here before the load it declared zero is, or after it.
+    policy.status(cell.now, 'DETERMINED', '1', 3.0)
+    policy.update(cell.now, True)
+    assert 'are known here' in policy.reason and policy.belief.source == 'rated'
+    policy.known = before.mean.copy()
+    policy.update(cell.now, True)
+    assert policy.trusted
+    np.testing.assert_allclose(policy.belief.mean, 2.0 * before.mean)
+    np.testing.assert_array_equal(policy.belief.covariance, before.covariance)
 
 
 def test_a_clock_that_jumps_back_does_not_end_the_cycle():

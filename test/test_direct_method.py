@@ -82,7 +82,7 @@ def test_reset_returns_to_the_prior_and_tare_takes_the_load_off(artefact):
     pipeline.reset()
     np.testing.assert_array_equal(pipeline.estimate(0.0).mean, fresh.mean)
     feed(pipeline, stream)
-    pipeline.tare()
+    pipeline.method.tare()
     assert pipeline.tared_mass == pytest.approx(2.0, abs=0.15)
     later = [type(m)(m.stamp + 3.5, *list(vars(m).values())[1:]) for m in stream]
     feed(pipeline, later)

@@ -268,7 +268,7 @@ def test_a_changed_load_is_found_anew(name, folder):
 def test_tare_and_reset(name, folder):
     made = pipeline(name, folder)
     feed(made, stream(LOAD, 4.0, seed=7))
-    made.tare()
+    made.tare(made.last_stamp)
     assert made.method.tared[0] == pytest.approx(2.0, abs=0.1)
     after = feed(made, [m for m in stream(LOAD, 7.0, seed=7) if m.stamp > 104.0])[-1]
     assert abs(after.mean[0]) < max(4.0 * after.std[0], 0.15)

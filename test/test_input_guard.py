@@ -159,6 +159,35 @@ def test_temperatures_of_others_are_passed_over_and_prefixes_found():
     np.testing.assert_array_equal(stream.temperature, [NAN, NAN, 40.0, NAN])
 
 
+def test_another_arms_temperature_is_not_taken_for_ones_own():
+    stream = JointStream(four_axes())
+    stream.temperature_reading('left_j1', 30.0)
+    stream.temperature_reading('right_j1', 50.0)
+    np.testing.assert_array_equal(stream.temperature, [NAN, 30.0, NAN, NAN])
+    stream.temperature_reading('j1', 40.0)
+    stream.temperature_reading('left_j1', 30.0)
+    np.testing.assert_array_equal(stream.temperature, [NAN, 40.0, NAN, NAN])
+    assert stream.rejected == {'temperature_of_another_arm': 2}
+
+
+def test_velocities_that_are_all_nan_are_none(guard):
+    # As ros2_control's broadcaster fills in for joints without that interface.
+    q, v, tau = accept(guard, velocity=np.full(len(JOINTS), NAN))
+    np.testing.assert_array_equal(q, Q)
+    assert np.isnan(v).all() and not guard.rejected
+    some = np.array(V, dtype=float)
+    some[0] = NAN
+    assert accept(guard, stamp=1.1, velocity=some) is None
+    assert guard.rejected == {'not_finite': 1}
+
+
+def test_invented_names_do_not_fill_the_memory(guard):
+    for k in range(1000):
+        accept(guard, names=[f'{name}_{k}' for name in JOINTS])
+    assert len(guard._index_of) <= 100
+    assert accept(guard) is not None
+
+
 def test_a_temperature_not_renewed_expires_whatever_the_clock_does():
     model = exact_model('four')
     still = messages(model, block(1.0), 0.1)[0]

@@ -16,7 +16,7 @@ from hand_load_estimator.estimators.lstm import Lstm, LstmCell
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
-from hand_load_estimator.learning.artefact import read_artefact, write_artefact
+from hand_load_estimator.learning.artefact import arm_of, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count, features, REFRESH
 from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
@@ -44,7 +44,7 @@ def artefact_of(folder, robot, network, calibration=None, **card):
     """Write a network as an artefact and return it as it is read."""
     weights = {k: v.detach().float().numpy() for k, v in network.state_dict().items()}
     write_artefact(folder, weights, NEUTRAL if calibration is None else calibration,
-                   {'joints': list(robot.joints), 'effort_kind': robot.effort.kind, **card})
+                   {**arm_of(robot), **card})
     return read_artefact(folder, robot)
 
 
@@ -257,7 +257,7 @@ def test_reset_and_tare_reach_the_network(silent, loud):
     pipeline, plain = warm(pipeline_with(model, silent)), warm(pipeline_of(model))
     for p in (pipeline, plain):
         feed(p, stream)
-        p.tare()
+        p.tare(p.last_stamp)
         feed(p, [type(m)(m.stamp + 3.0, *list(vars(m).values())[1:]) for m in stream])
     np.testing.assert_allclose(pipeline.estimate(0.0).mean, plain.estimate(0.0).mean, atol=1e-5)
 
@@ -291,7 +291,7 @@ def wreck(folder, how):
     weights, card = folder / 'lstm.safetensors', folder / 'card.json'
     content = json.loads(card.read_text())
     changes = {'joints': ['a', 'b', 'c', 'd'], 'effort_kind': 'motor_current',
-               'schema': 'hand_load/learned/9'}
+               'schema': 'hand_load/learned/9', 'places': None}
     if how in changes:
         card.write_text(json.dumps({**content, how: changes[how]}))
     elif how == 'card is a list':
@@ -334,7 +334,7 @@ def _write(path, tensors):
 
 
 @pytest.mark.parametrize('how', [
-    'joints', 'effort_kind', 'schema', 'card is a list', 'joints are a number',
+    'joints', 'effort_kind', 'schema', 'places', 'card is a list', 'joints are a number',
     'card is no JSON', 'no card', 'no weights', 'weights cut', 'weights are noise',
     'a tensor missing', 'a tensor of another shape', 'a tensor of another rank', 'a NaN',
     'a calibration of nothing'])

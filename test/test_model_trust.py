@@ -238,7 +238,7 @@ def test_a_tare_declares_what_was_found_with_the_trust_there_was(method):
     last = feed(pipeline, offset_arm(model, 20.0))[-1]
     before, std = last.mean[0], last.std[0]
     assert abs(before - 3.0) < 4.0 * std
-    pipeline.tare()
+    pipeline.tare(pipeline.last_stamp)
     assert pipeline.method.tared[0] == pytest.approx(before, abs=std)
 
 

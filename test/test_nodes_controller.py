@@ -12,6 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
+from ros_helpers import CONTROLLER_YAML
 
 from hand_load_estimator.identification import nominal_model
 from hand_load_estimator.load import products_from_message
@@ -108,8 +109,9 @@ def listening(listener, prefix=''):
 
 def arguments(model_file, **parameters):
     """Return the command line: short dwells and other parameters."""
-    values = {'model': model_file, 'dwell': 0.3, 'home_dwell': 0.2, **parameters}
-    return ['--ros-args', *(part for name, value in values.items()
+    values = {'model': model_file, 'dwell': 0.3, 'home_dwell': 0.2, 'autostart': 'true',
+              **parameters}
+    return ['--ros-args', '--params-file', CONTROLLER_YAML, *(part for name, value in values.items()
                             for part in ('-p', f'{name}:={value}'))]
 
 
@@ -177,7 +179,13 @@ def test_collision_stops_reset_goes_on_and_sigterm_brakes(listener, start, model
     assert np.max(np.abs(robot.arm.state(robot.now())[0] - PICK)) > 0.05
     robot.arm.push = np.zeros(6)
     listener.spin(0.2)
+    refused = listener.call(Trigger, 'controller/start', Trigger.Request())
+    assert not refused.success and 'collision' in refused.message
     assert listener.call(Trigger, 'controller/reset', Trigger.Request()).success
+    listener.until(lambda: phases(heard)[-1] == 'waiting', 5.0, 'the end of the stop')
+    listener.spin(0.5)
+    assert not np.any(robot.arm.state(robot.now())[1]), 'a reset moves nothing'
+    assert listener.call(Trigger, 'controller/start', Trigger.Request()).success
     listener.until(lambda: phases(heard)[-1] == 'to_pick', 5.0, 'the motion to go on')
     listener.until(lambda: not heard.collision[-1].data, 2.0, 'the end of the collision')
     listener.until(lambda: np.max(np.abs(robot.arm.state(robot.now())[1])) > 0.1, 5.0, 'motion')
@@ -222,7 +230,8 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
             f'cell/controller: {concern}']
 
     listener.until(lambda: 'done' in said('motion').message, 5.0, 'diagnostics of the end')
-    rejected = {pair.key: int(pair.value) for pair in said('input').values}
+    rejected = {pair.key: int(pair.value) for pair in said('input').values
+                if pair.key.startswith('rejected')}
     for reason in ('short_arrays', 'not_finite', 'missing_joint', 'residual_joints',
                    'residual_not_finite', 'estimate_not_finite'):
         assert rejected[f'rejected {reason}'] > 0, rejected

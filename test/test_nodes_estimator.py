@@ -238,13 +238,16 @@ def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
 
 def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     samples = arm_samples((3.0,))
-    feeder.play(samples)
-    listener.spin(0.3)
-    before = estimator.mass()[0]
-    assert before > 2.5
-    answer = listener.call(Trigger, 'estimator/tare', Trigger.Request())
-    assert answer.success and answer.message
-    feeder.epoch += int(4e9)
+    known = listener.listen(InertiaStamped, 'estimator/known_load', LATCHED)
+    listener.until(lambda: known, 5.0, 'what is held beside the estimate')
+    assert known[-1].inertia.m == 0.0
+    early = listener.call(Trigger, 'estimator/tare', Trigger.Request())
+    assert not early.success and 'NO_DATA' in early.message
+    assert feeder.tare(samples).success
+    listener.until(lambda: known[-1].inertia.m > 2.5, 5.0, 'what was tared')
+    before = known[-1].inertia.m
+    assert known[-1].inertia.com.z == pytest.approx(vector_of_inertia(
+        known[-1].inertia)[3]) and known[-1].header.frame_id == 'tool0'
     feeder.play(samples)
     listener.spin(0.3)
     assert abs(estimator.mass()[0]) < 0.3
@@ -254,6 +257,26 @@ def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     assert answer.success and answer.message
     listener.until(lambda: estimator.values()['determined'].startswith('0'), 5.0,
                    'an estimate that knows nothing')
+
+
+def test_silence_is_told_by_what_arrives_whatever_the_clocks_say(estimator, feeder, listener):
+    # A driver whose clock is half a minute ahead of the estimator's.
+    feeder.epoch += int(30e9)
+    feeder.play(arm_samples((3.0,)))
+    assert estimator.status() in ('ESTIMATING', 'DETERMINED')
+    listener.until(lambda: estimator.status() == 'STALE_INPUT', 5.0, 'STALE_INPUT')
+
+
+def test_refused_joint_states_are_no_input(estimator, feeder, listener):
+    feeder.play(arm_samples((3.0,))[:300])
+
+    def broken(_, message):
+        message.effort = []
+        return message
+
+    for _ in range(3):
+        feeder.play(arm_samples((3.0,))[300:500], broken)
+    assert estimator.status() == 'STALE_INPUT'
 
 
 def test_namespace_and_remapping(start, listener):

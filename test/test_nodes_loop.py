@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
+from ros_helpers import CONTROLLER_YAML
 
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.nodes.estimate_messages import vector_of_inertia
@@ -35,8 +36,9 @@ class Loop:
     def __init__(self, start, listener, method):
         self._listener, self._method, self._start = listener, method, start
         # The simulator last: the others must wait for it and join in.
-        self.nodes = {'controller': start('controller', '--ros-args', '-p', 'use_sim_time:=true',
-                                          '-p', 'cycles:=1')}
+        self.nodes = {'controller': start('controller', '--ros-args', '--params-file',
+                                          CONTROLLER_YAML, '-p', 'use_sim_time:=true', '-p',
+                                          'autostart:=true')}
         self.nodes['estimator'] = self.start_estimator()
         self.heard = {name: listener.listen(kind, topic, qos)
                       for name, (topic, kind, qos) in TOPICS.items()}

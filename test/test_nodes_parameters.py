@@ -36,7 +36,8 @@ def test_yaml_holds_exactly_the_table_with_its_defaults(node):
     rows = {row.name: row for row in table_of(node)}
     assert set(values) == set(rows)
     for name, value in values.items():
-        assert rows[name].convert(value) == rows[name].default, name
+        told = rows[name].convert(value)
+        assert rows[name].todo or told == rows[name].default, name
         assert isinstance(value, list) or type(value) is type(rows[name].default), name
 
 
@@ -97,11 +98,19 @@ def test_wrong_value_at_start_ends_with_status_2_and_one_sentence(start, argumen
 @pytest.mark.parametrize('node', ['estimator', 'controller'])
 def test_a_robot_without_a_shipped_model_is_told_to_give_one(start, node):
     """`ur10e_current: is neither a path nor a shipped file` named neither parameter nor model."""
-    process = start(node, '--ros-args', '-p', 'robot:=ur10e_current')
+    process = start(node, '--ros-args', '--params-file', ROOT / 'config' / f'{node}.yaml', '-p',
+                    'robot:=ur10e_current')
     assert process.wait(30.0) == 2
     assert process.output == ('error: parameter model: none is shipped for robot ur10e_current; '
                               'give model:=FILE, which `hand_load identify` makes from its '
                               'recordings\n')
+
+
+def test_waypoints_are_nobodys_but_the_users(start):
+    process = start('controller', '--ros-args', '-p', 'robot:=ur10e')
+    assert process.wait(30.0) == 2
+    assert process.output.startswith('error: node controller: parameter home: must be given')
+    assert 'config/controller.yaml' in process.output
 
 
 def test_unreadable_parameter_file_ends_with_status_2(start, tmp_path):

@@ -82,3 +82,32 @@ def test_a_signal_while_it_still_imports_ends_it_in_order(domain, name, number):
     finally:
         process.kill()
         process.wait()
+
+
+FAULTY = NODE.replace('raise SystemExit', """
+class Faulty(Stopping):
+    def __init__(self):
+        super().__init__()
+        self.create_timer(0.1, self.fail)
+
+    def fail(self):
+        raise RuntimeError('a fault of its own')
+
+raise SystemExit""").replace('run_node(Stopping)', 'run_node(Faulty)')
+
+
+def test_a_fault_of_its_own_still_lets_it_say_its_last_word(domain):
+    """The controller's is the braking trajectory."""
+    done = subprocess.run([sys.executable, '-c', FAULTY.format(stopping=0.0)], text=True,
+                          env=node_environment(domain), capture_output=True, timeout=30.0)
+    assert done.returncode == 1 and done.stdout == 'ready\nstopping\nstopped\n'
+    assert 'a fault of its own' in done.stderr
+
+
+def test_without_ros_a_node_ends_with_a_sentence():
+    code = ("import sys; sys.modules['rclpy'] = None; "
+            'from hand_load_estimator.nodes.start import estimator; sys.exit(estimator())')
+    done = subprocess.run([sys.executable, '-c', code], text=True, capture_output=True,
+                          env=node_environment(1), timeout=30.0)
+    assert done.returncode == 2 and 'Traceback' not in done.stderr
+    assert done.stderr.count('\n') == 1 and 'estimator_node needs rclpy' in done.stderr

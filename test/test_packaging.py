@@ -16,11 +16,12 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
-from ros_helpers import ROOT, Listener, NodeProcess, free_domain, node_environment
+from ros_helpers import ROOT, Listener, NodeProcess, node_environment
 from sensor_msgs.msg import JointState
 from test_imports import IMPORTS, PACKAGE, ROS
 
 from hand_load_estimator.nodes.qos import OUTPUT, measurement
+from hand_load_estimator.own_domain import free_domain
 
 EXECUTABLES = ('simulator_node', 'estimator_node', 'controller_node', 'hand_load')
 # Import name -> rosdep key, where they differ.
@@ -259,6 +260,15 @@ def test_launch_file_declares_what_it_uses():
     nodes = {node.args[0].value for node in called if node.func.id == '_node'
              and isinstance(node.args[0], ast.Constant)}
     assert nodes == {'simulator', 'estimator', 'controller'}
+
+
+def test_launch_file_moves_no_arm_and_makes_none_up_unless_told_to():
+    tree = ast.parse((ROOT / 'launch' / 'hand_load.launch.py').read_text())
+    default = {call.args[0].value: call.args[1] for call in ast.walk(tree)
+               if isinstance(call, ast.Call) and getattr(call.func, 'id', '') == '_switch'}
+    assert default['control'].value == default['simulate'].value == 'false'
+    # A node that waits for a /clock of nobody does nothing.
+    assert default['use_sim_time'].args[0].value == 'simulate'
 
 
 @pytest.mark.parametrize('given, passed', [({}, None), ({'model': 'my.yaml'}, 'my.yaml')])

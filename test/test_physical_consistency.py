@@ -118,7 +118,7 @@ def test_an_empty_hand_weighs_nothing_and_after_tare_less_is_less():
     masses = [e.mean[0] for e in feed(empty, messages(model, LoadParameters(), 3.0))]
     assert min(masses) > 0.0
     feed(tared, messages(model, block(1.5), 5.0))
-    tared.tare()
+    tared.tare(tared.last_stamp)
     lighter = feed(tared, [replace(m, stamp=m.stamp + 5.5)
                            for m in messages(model, block(1.0), 4.0, seed=1)])
     assert lighter[-1].mean[0] == pytest.approx(-0.5, abs=0.1)

@@ -9,6 +9,7 @@ import pytest
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline, determined_std
+from hand_load_estimator.estimators.pipeline import TareError
 from hand_load_estimator.load import LoadParameters, STATUSES
 from hand_load_estimator.model_file import write_model
 
@@ -236,7 +237,7 @@ def tared(model, held, seconds=5.0):
     """Return a pipeline that was tared while holding a load, and the stamp of it."""
     pipeline = warm(pipeline_of(model))
     feed(pipeline, messages(model, held, seconds))
-    pipeline.tare()
+    pipeline.tare(pipeline.last_stamp)
     return pipeline
 
 
@@ -248,6 +249,21 @@ def test_tare_makes_what_is_held_zero(model):
     assert pipeline.load_id == 0
 
 
+@pytest.mark.parametrize('moved', [False, True])
+def test_what_is_only_assumed_is_no_zero(model, moved):
+    pipeline = pipeline_of(model)
+    if moved:
+        feed(pipeline, messages(model, block(2.0), 0.3))
+    with pytest.raises(TareError, match='not determined: (NO_DATA|ESTIMATING|WAITING)'):
+        pipeline.tare(pipeline.last_stamp or 0.0)
+    assert pipeline.tared_mass == 0.0
+    feed(pipeline, [replace(m, stamp=m.stamp + 1.0) for m in messages(model, block(2.0), 8.0)])
+    with pytest.raises(TareError, match='STALE_INPUT'):
+        pipeline.tare(pipeline.last_stamp + 2.0)
+    pipeline.tare(pipeline.last_stamp)
+    assert pipeline.tared_mass == pytest.approx(2.0, abs=0.1)
+
+
 def test_tare_while_standing_is_no_change_of_load(model):
     """Tare is asked for at rest: the torque the estimator looks at jumps, the arm's does not."""
     model = exact_model('ur10e')
@@ -255,7 +271,7 @@ def test_tare_while_standing_is_no_change_of_load(model):
     feed(pipeline, messages(model, held, 4.0))
     still = [replace(m, stamp=m.stamp + 5.0) for m in messages(model, held, 4.0, rest=9.0)]
     feed(pipeline, still[:200])
-    pipeline.tare()
+    pipeline.tare(pipeline.last_stamp)
     estimates = feed(pipeline, still[200:])
     assert pipeline.load_id == 0
     assert abs(estimates[-1].mean[0]) < 3.5 * estimates[-1].std[0] + 0.01
@@ -283,7 +299,7 @@ def test_tare_keeps_its_own_doubt(model, seed):
     for seconds in (1.2, 5.0):
         pipeline = warm(pipeline_of(model))
         feed(pipeline, messages(model, block(1.5), seconds, seed=seed))
-        pipeline.tare()
+        pipeline.method.tare()
         last = feed(pipeline, [replace(m, stamp=m.stamp + 5.5) for m in
                                messages(model, block(1.5), 4.0, seed=seed + 10)])[-1]
         assert abs(last.mean[0]) < 3.5 * last.std[0]

@@ -116,7 +116,7 @@ def test_a_load_swapped_at_a_reset_is_no_ageing(model):
 def test_after_tare_the_tool_is_no_ageing(model):
     pipeline = warm(pipeline_of(model))
     feed(pipeline, messages(model, block(3.0), 15.0))
-    pipeline.tare()
+    pipeline.tare(pipeline.last_stamp)
     feed(pipeline, [replace(m, stamp=m.stamp + 15.5) for m in messages(model, block(3.0), 30.0)])
     assert not pipeline.watch.aged and (pipeline.watch.ratio < CALM).all()
 

@@ -1,12 +1,13 @@
 """A model goes with the arm it was identified on: told by where the joints lie, not by names."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from core_helpers import exact_model
 import pytest
 
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.estimators.build import build_pipeline, shipped_artefact
 from hand_load_estimator.model_file import write_model
 from hand_load_estimator.robot import load_robot, robot_from_content
 from hand_load_estimator.same_arm import arm_difference
@@ -67,3 +68,20 @@ def test_a_model_of_another_arm_is_refused_with_both_names(ur10e, tmp_path):
         build_pipeline(tmp_path / 'ur10.yaml', 'bayes', None, 'ur10e')
     write_model(tmp_path / 'same.yaml', replace(model, robot=another_arm(ur10e, CALIBRATED)))
     assert build_pipeline(tmp_path / 'same.yaml', 'bayes', None, 'ur10e').method.name == 'bayes'
+
+
+def test_the_controller_refuses_a_model_of_another_arm_too(tmp_path, ur10e):
+    from hand_load_estimator.nodes.controller_node import model_from_parameters
+    write_model(tmp_path / 'ur10.yaml', replace(exact_model(), robot=another_arm(ur10e, UR10)))
+    values = SimpleNamespace(robot='ur10e', model=str(tmp_path / 'ur10.yaml'))
+    with pytest.raises(ConfigurationError, match='belongs to another robot.*wrist_3'):
+        model_from_parameters(values)
+    values = SimpleNamespace(robot='ur10e_current', model='ur10e')
+    with pytest.raises(ConfigurationError, match='belongs to another robot.*motor_current'):
+        model_from_parameters(values)
+
+
+def test_another_arm_of_the_same_joint_names_has_no_network(ur10e):
+    assert shipped_artefact(ur10e) is not None
+    assert shipped_artefact(another_arm(ur10e, CALIBRATED)) is not None
+    assert shipped_artefact(another_arm(ur10e, UR10)) is None

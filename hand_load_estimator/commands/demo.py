@@ -1,6 +1,5 @@
 """`hand_load demo`: the whole loop with a live table and a picture at the end."""
 
-import os
 import signal
 import sys
 import tempfile
@@ -8,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..demo import Demo, DemoSettings, NodeProcesses, draw_load
+from ..demo import Demo, DemoSettings, draw_load, NodeProcesses
+from ..own_domain import own_domain
 from ..demo_table import LiveTable
 from ..errors import ConfigurationError
 from ..estimators.registry import DEFAULT, METHODS
@@ -49,10 +49,12 @@ def _summary(carried):
 
 
 def run(args):
-    """Run the demo; return 0 when the cycle came to its end."""
-    # Nothing leaves this machine unless the user has said otherwise.
-    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    """Run the demo by itself; return 0 when the cycle came to its end."""
+    with own_domain():
+        return _run(args)
+
+
+def _run(args):
     try:
         from ..nodes.demo_observer import DemoObserver
     except ImportError as error:

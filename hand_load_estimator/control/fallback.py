@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .load_belief import belief_of_estimate, rated_belief
+from .load_belief import beside, belief_of_estimate, rated_belief
 
 TRUSTED = ('ESTIMATING', 'DETERMINED')
+# The mass the status tells has six digits.
+_SAME_MASS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,12 @@ class FallbackSettings:
     residual_timeout: float = 0.2
 
 
-def usable_estimate(mean, covariance):
-    """Return why mean and covariance in message order cannot be used; empty when they can."""
+def usable_estimate(mean, covariance, known_mass=0.0):
+    """
+    Return why mean and covariance in message order cannot be used; empty when they can.
+
+    known_mass [kg]: of what is held beside the estimate.
+    """
     mean, covariance = np.asarray(mean, dtype=float), np.asarray(covariance, dtype=float)
     if mean.shape != (10,) or covariance.shape != (10, 10):
         return 'estimate_size'
@@ -35,7 +41,7 @@ def usable_estimate(mean, covariance):
         return 'estimate_not_finite'
     if np.linalg.eigvalsh(0.5 * (covariance + covariance.T))[0] < -1e-6 * np.trace(covariance):
         return 'covariance_not_positive'
-    if mean[0] < -3.0 * np.sqrt(max(covariance[0, 0], 0.0)):
+    if mean[0] + known_mass < -3.0 * np.sqrt(max(covariance[0, 0], 0.0)):
         return 'negative_mass'
     return ''
 
@@ -48,6 +54,7 @@ class LoadPolicy:
     the estimate is trusted; reason: why the estimate is not trusted, empty when it is. The
     estimate is kept from motion to motion while the load is the same (E8.4). blind: why no
     collision would be noticed, empty when it would; a reason for the rated load's limits too.
+    known (10,): products of what is held beside the estimate, a tool or what was tared.
     """
 
     def __init__(self, robot, settings=FallbackSettings()):
@@ -56,6 +63,7 @@ class LoadPolicy:
         self._status, self._status_time, self._load_id = 'NO_DATA', -np.inf, None
         self._residual_stamp, self.blind = -np.inf, 'no residual torque has arrived'
         self._expected_after, self._moved, self._now = None, 0.0, None
+        self.known, self._known_mass = np.zeros(10), 0.0
         self.caution, self.reason = 1.0, 'no estimate has arrived'
 
     @property
@@ -66,15 +74,16 @@ class LoadPolicy:
     @property
     def belief(self):
         """The LoadBelief to plan with now."""
-        return self._estimate if self.trusted else self._rated
+        return beside(self._estimate, self.known) if self.trusted else self._rated
 
     def estimate(self, now, mean, covariance):
         """Take a usable estimate in message order that arrived at `now` [s]."""
         self._estimate, self._estimate_time = belief_of_estimate(mean, covariance), now
 
-    def status(self, now, status, load_id):
-        """Take the estimator's status and its count of load changes."""
+    def status(self, now, status, load_id, known_mass=0.0):
+        """Take status, count of load changes, and the mass [kg] held beside the estimate."""
         self._status, self._status_time, self._load_id = status, now, load_id
+        self._known_mass = known_mass
         if status not in TRUSTED:
             self._distrust(f'the estimator says {status}')
 
@@ -117,6 +126,9 @@ class LoadPolicy:
                 return f'the last {what} is {now - since:.2f} s old'
         if self._status not in TRUSTED:
             return f'the estimator says {self._status}'
+        if abs(self.known[0] - self._known_mass) > _SAME_MASS * max(1.0, abs(self._known_mass)):
+            return (f'{self._known_mass:.3g} kg are held beside the estimate (tool, tare), and '
+                    f'{self.known[0]:.3g} kg of them are known here')
         if self._expected_after is not None:
             if (self._load_id,) == self._expected_after \
                     and self._moved < self._settings.confirm_time:

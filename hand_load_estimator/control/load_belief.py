@@ -1,6 +1,6 @@
 """What the controller takes the load to be: products with covariance, from two sources."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,12 @@ def belief_of_estimate(mean, covariance):
     cross = covariance[0, 1:4]
     products[1:4, 1:4] += covariance[0, 0] * covariance[1:4, 1:4] + np.outer(cross, cross)
     return LoadBelief(products_from_message(mean), products, 'estimate')
+
+
+def beside(belief, products):
+    """Return the belief of a load together with known products (10,), a tool's for example."""
+    # What is not known of them stands in the estimate's own covariance.
+    return replace(belief, mean=belief.mean + products)
 
 
 def rated_belief(robot):

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-PHASES = ('home', 'to_pick', 'at_pick', 'carrying', 'at_place', 'returning', 'done', 'stopped')
+PHASES = ('waiting', 'home', 'to_pick', 'at_pick', 'carrying', 'at_place', 'returning', 'done',
+          'stopped')
 
 
 @dataclass(frozen=True)

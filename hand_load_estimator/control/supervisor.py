@@ -24,6 +24,7 @@ _FRESH = 0.05            # [s] older joint states do not tell where a moving arm
 _REPLAN_PERIOD = 0.15    # [s]
 _CLOCK_JUMP = 0.5        # [s] a clock that steps back or ahead by more has been restarted
 _PAUSE = 0.3             # [s] between a stop and the next try
+_TRIES = 3               # tries of a step after which an arm that does not follow is left alone
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,9 @@ class Supervisor:
     The controller without its messages.
 
     Feed measured(), residual() and policy.estimate(), policy.status(); call tick() at a fixed
-    rate and send the Trajectory it returns. phase: one of pick_place.PHASES; move: the
+    rate and send the Trajectory it returns. Nothing moves before start(), nor after a reset() until
+    it comes again. phase: one of pick_place.PHASES; tries: how often the present step was begun
+    again because the arm did not follow; move: the
     PlannedMove under way or last, None before the first;
     in_force: Thresholds now, None before joint states; counts: events since the start.
     """
@@ -58,7 +61,7 @@ class Supervisor:
         self.policy = LoadPolicy(model.robot, settings.fallback)
         self.detector = CollisionDetector(settings.thresholds)
         self.temperature = np.full(model.robot.n, np.nan)
-        self.phase, self.move, self.in_force = 'home', None, None
+        self.phase, self.move, self.in_force, self.tries = 'waiting', None, None, 0
         self.stop_reason, self.counts = '', Counter()
         self._planner = MovePlanner(model, settings.plan)
         self._rated_limits = rated_cycle_limits(self._planner, model.robot, settings.waypoints,
@@ -68,7 +71,8 @@ class Supervisor:
         self._steps = pick_and_place(settings.cycles, settings.dwell, settings.home_dwell)
         self._step, self._run, self._braking, self._goal = next(self._steps), None, None, None
         self._dwell_until, self._pause_until, self._next_replan = None, None, 0.0
-        self._q = self._v = self._measured_at = self._now = None
+        self._q = self._v = self._measured_at = self._now = self._earlier = None
+        self._speed = np.inf
 
     @property
     def moving(self):
@@ -88,20 +92,35 @@ class Supervisor:
         return self._move_limits
 
     def measured(self, now, q, v):
-        """Take position and velocity (n,), NaN where unknown, that arrived at `now` [s]."""
+        """Take position and velocity (n,), NaN where unknown, measured at `now` [s]."""
         self._q, self._v, self._measured_at = q, v, now
+        if np.isfinite(v).all():
+            self._speed = np.max(np.abs(v))
+        elif self._earlier is None or not 0.0 <= now - self._earlier[0] < _INPUT_TIMEOUT:
+            self._earlier, self._speed = (now, q), np.inf
+        elif now - self._earlier[0] >= _FRESH:
+            moved = np.max(np.abs(q - self._earlier[1]))
+            self._earlier, self._speed = (now, q), moved / (now - self._earlier[0])
 
     def residual(self, stamp, torque):
         """Take the residual torque (n,) [Nm] of `stamp` [s]."""
         self.policy.residual(stamp)
         self.detector.check(stamp, torque)
 
-    def reset(self):
-        """Clear a collision or stop; the interrupted step begins again from where the arm is."""
-        self.detector.reset()
-        self.stop_reason, self._goal = '', None
+    def start(self):
+        """Go on with the cycle, from where the arm is; return why it cannot, or nothing."""
         if self.phase == 'stopped':
+            return f'{self.stop_reason}; reset it first'
+        if self.phase == 'waiting':
             self.phase = self._step.phase if self._step else 'done'
+        return ''
+
+    def reset(self):
+        """Clear a collision or stop; the interrupted step begins again with start()."""
+        self.detector.reset()
+        self.stop_reason, self._goal, self.tries = '', None, 0
+        if self.phase == 'stopped':
+            self.phase = 'waiting' if self._step else 'done'
 
     def stop(self):
         """Return the braking trajectory that ends a motion under way; None at rest."""
@@ -137,7 +156,7 @@ class Supervisor:
             return self._halt(now, self._describe_collision())
         if self._run is not None:
             return self._follow(now)
-        if self._step is None:
+        if self._step is None or self.phase == 'waiting':
             return None
         self.phase = self._step.phase
         if not self._step.target:
@@ -147,8 +166,7 @@ class Supervisor:
     def _may_move(self, now):
         pausing = self._pause_until is not None and now < self._pause_until
         stale = self._age(now) > _INPUT_TIMEOUT
-        speed = np.max(np.abs(np.nan_to_num(self._v)))
-        return not pausing and not stale and speed < _AT_REST
+        return not pausing and not stale and self._speed < _AT_REST
 
     def _age(self, now):
         """Return the age [s] of the joint states; ahead of a clock that jumped back is old too."""
@@ -165,7 +183,7 @@ class Supervisor:
         return None
 
     def _advance(self):
-        self._step = next(self._steps, None)
+        self._step, self.tries = next(self._steps, None), 0
         self.phase = self._step.phase if self._step else 'done'
 
     def _move(self, now):
@@ -196,7 +214,7 @@ class Supervisor:
         distance = self._distance(now)
         if fresh and distance > _OFF_PATH:
             self.counts['off_path'] += 1
-            return self._retry(now)
+            return self._retry(now, f'is {distance:.2f} rad from where it was sent')
         if now >= self._run.end:
             return self._arrive(now)
         if now >= self._next_replan and fresh and distance < _ON_PATH:
@@ -217,11 +235,15 @@ class Supervisor:
             self._advance()
         elif now > self._run.end + _SETTLE:
             self.counts['not_arrived'] += 1
-            return self._retry(now)
+            return self._retry(now, 'does not arrive')
         return None
 
-    def _retry(self, now):
-        """Stop, and begin the step again from where the arm is."""
+    def _retry(self, now, what):
+        """Stop, and begin the step again from where the arm is, but not for ever."""
+        self.tries += 1
+        if self.tries >= _TRIES:
+            # Held by a protective stop it would set off on its own the moment it is released.
+            return self._halt(now, f'the arm {what}, {self.tries} times in a row')
         brake = self._brake(now)
         self._run, self._braking, self._goal = None, brake.shifted(now), None
         self._pause_until = now + brake.duration + _PAUSE

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from ..errors import ConfigurationError
 from ..learning import difference_artefact
-from ..learning.artefact import CARD, NETWORK, network_of
+from ..learning.artefact import CARD, NETWORK, network_of, not_of
 from ..model_file import model_digest, read_model
 from ..model_follower import ModelFollower
+from ..model_of_robot import model_of_robot
 from ..robot import load_robot
-from ..same_arm import arm_difference
 from ..shared_files import find_shared, share_folder
 from ..tool import read_tool, ToolFollower
 from .pipeline import Pipeline
@@ -29,11 +29,9 @@ def determined_std(robot):
 
 
 def shipped_artefact(robot, network=NETWORK):
-    """Return the folder of the network shipped for a robot's joints and effort kind, or None."""
+    """Return the folder of the network shipped for an arm and its effort kind, or None."""
     for card, content in _shipped_cards(CARD):
-        if content.get('joints') == list(robot.joints) \
-                and content.get('effort_kind') == robot.effort.kind \
-                and network_of(content) == network:
+        if network_of(content) == network and not not_of(content, robot):
             return card.parent
     return None
 
@@ -89,25 +87,6 @@ def _shipped(model, name, learned):
     return folder
 
 
-def _check_robot(model, path, robot):
-    own = model.robot
-    if own.joints != robot.joints or own.effort.kind != robot.effort.kind:
-        raise ConfigurationError(
-            f'model {path}', 'belongs to another robot',
-            f'{own.name}: {", ".join(own.joints)}; {own.effort.kind}',
-            f'{robot.name}: {", ".join(robot.joints)}; {robot.effort.kind}')
-    if own.file.command_lag != robot.file.command_lag:
-        raise ConfigurationError(
-            f'model {path}', 'was identified with another `position` in the robot file',
-            f'lag {own.file.command_lag} s', f'lag {robot.file.command_lag} s',
-            'identify again, with the robot file as it is')
-    apart = arm_difference(own, robot)
-    if apart:
-        raise ConfigurationError(
-            f'model {path}', 'belongs to another robot', f'{own.name}: {apart}',
-            f'{robot.name}, calibrated or not', 'identify a model of this one')
-
-
 def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, tool_path=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
@@ -116,9 +95,8 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     None; tool_path: load file of a known tool, or None: the estimate is what is held beside it.
     """
     model_file = find_shared(model_path, 'models')
-    model = read_model(model_file)
-    if robot_path is not None:
-        _check_robot(model, model_path, load_robot(find_shared(robot_path, 'robots')))
+    model = (read_model(model_file) if robot_path is None else
+             model_of_robot(model_file, load_robot(find_shared(robot_path, 'robots'))))
     follower, tool = ModelFollower(model), None
     if tool_path:
         tool = read_tool(tool_path)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..errors import HandLoadError
 from ..joint_stream import JointStream
 from ..load import LoadEstimate
 from ..residual.watch import ResidualWatch
@@ -17,6 +18,10 @@ STANDING = 0.02
 CHANGE_SHOWN = 1.0
 
 
+class TareError(HandLoadError):
+    """What is held is not known well enough to be declared zero."""
+
+
 class Pipeline:
     """
     Estimate one robot's load from its joint states and temperatures.
@@ -25,7 +30,8 @@ class Pipeline:
     centre of mass [m] and inertia [kg m^2] below which a parameter counts as determined;
     stale_after [s]: silence after which the estimate is stale; model_file: Path the model was
     read from, or None; digest: SHA-256 of that file's content; tool: the Tool that the follower
-    takes off, or None. watch: the ResidualWatch of the model.
+    takes off, or None. watch: the ResidualWatch of the model; residual (n,) [Nm]: of the bare arm,
+    whatever it holds.
     """
 
     def __init__(self, model, follower, method, determined_std, stale_after=0.5,
@@ -69,6 +75,16 @@ class Pipeline:
         return self.tool.mass if self.tool else 0.0
 
     @property
+    def known_load(self):
+        """Products (10,) of what is held beside the estimate: the tool, and what was tared."""
+        return self.method.tared + (self.tool.products if self.tool else 0.0)
+
+    @property
+    def last_stamp(self):
+        """Stamp [s] of the newest usable joint state, or None."""
+        return self._stream.last_stamp
+
+    @property
     def reliability(self):
         """What the method says of its answer beside mean and covariance: {name: value}."""
         return getattr(self.method, 'reliability', {})
@@ -98,6 +114,8 @@ class Pipeline:
         self._sample = sample
         prediction = self._follower.update(sample)
         self.residual = prediction.difference
+        if self.tool:
+            self.residual = self.residual + prediction.load_columns @ self.tool.products
         self._began = self._began or self._moves(sample)
         belief = self.method.update(sample, prediction)
         self._follower.carry(belief, self.method)
@@ -175,8 +193,16 @@ class Pipeline:
         self.watch.forget_load()
         self._began, self._estimate, self._restored = False, None, ''
 
-    def tare(self):
-        """Make what is held now the new zero."""
+    def tare(self, now):
+        """
+        Make what is held at `now` [s] the new zero.
+
+        Raises TareError where its mass is not known: what was only assumed is no zero.
+        """
+        estimate = self.estimate(now)
+        if estimate.status not in ('ESTIMATING', 'DETERMINED') or not estimate.determined[0]:
+            raise TareError(f'the mass of what is held is not determined: {estimate.status}, '
+                            f'{estimate.reason}; move the arm and tare again')
         self.method.tare()
         self._estimate = None
 

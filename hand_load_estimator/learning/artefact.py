@@ -1,7 +1,7 @@
 """
 The learned artefact: safetensors and a JSON card, handed over as a folder (E10.1).
 
-It belongs to joint names and an effort kind, never to one torque model.
+It belongs to an arm and an effort kind, never to one torque model.
 """
 
 import json
@@ -12,6 +12,7 @@ import numpy as np
 from safetensors.numpy import load_file, save_file
 
 from ..errors import ConfigurationError
+from ..same_arm import place_difference, places_of
 from ..whole_file import whole_file
 from .features import feature_count
 from .interval_factors import LEVELS
@@ -77,18 +78,33 @@ def network_of(card):
     return card.get('network', NETWORK)
 
 
+def arm_of(robot):
+    """Return what a card says of the arm it belongs to."""
+    return {'joints': list(robot.joints), 'effort_kind': robot.effort.kind,
+            'places': places_of(robot)}
+
+
+def not_of(card, robot):
+    """Return (what, value, allowed) where a card belongs to another arm or effort, else None."""
+    if card.get('joints') != list(robot.joints):
+        return 'belongs to other joints', card.get('joints'), ', '.join(robot.joints)
+    if card.get('effort_kind') != robot.effort.kind:
+        return 'belongs to another kind of effort', card.get('effort_kind'), robot.effort.kind
+    try:
+        apart = place_difference(np.array(card.get('places'), dtype=float).reshape(robot.n, 12),
+                                 robot)
+    except (TypeError, ValueError):
+        return 'does not say where the joints of its arm lie', None, None
+    return ('belongs to another arm', apart, robot.name) if apart else None
+
+
 def check_card(folder, card, robot, network):
     """Refuse a card that is not of this schema, robot and network."""
     if not isinstance(card, dict) or card.get('schema') != SCHEMA:
         raise ConfigurationError(folder / CARD, 'has another schema',
                                  card.get('schema') if isinstance(card, dict) else card, SCHEMA)
-    if card.get('joints') != list(robot.joints):
-        raise ConfigurationError(folder / CARD, 'belongs to other joints', card.get('joints'),
-                                 ', '.join(robot.joints), 'train one for this robot')
-    if card.get('effort_kind') != robot.effort.kind:
-        raise ConfigurationError(folder / CARD, 'belongs to another kind of effort',
-                                 card.get('effort_kind'), robot.effort.kind,
-                                 'train one for this robot')
+    if other := not_of(card, robot):
+        raise ConfigurationError(folder / CARD, *other, 'train one for this robot')
     if network_of(card) != network:
         raise ConfigurationError(folder / CARD, 'is another network', network_of(card), network,
                                  f'take method {network_of(card)}')

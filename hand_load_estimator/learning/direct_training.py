@@ -14,6 +14,7 @@ import numpy as np
 import torch
 
 from ..model_file import read_model
+from .artefact import arm_of
 from .direct_artefact import write_direct_artefact
 from .direct_calibration import (calibrate_direct, direct_scores, inputs_of_shard,
                                  judged_samples)
@@ -133,7 +134,7 @@ class Loss:
 def _card(model, design, job, spans, scores, seconds):
     return {
         'name': f'{NETWORKS[design.network]} for {model.robot.name}',
-        'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
+        **arm_of(model.robot),
         'network': design.network,
         'outputs': f'mean and standard deviation of {", ".join(design.parameters)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',

@@ -12,7 +12,7 @@ import torch
 
 from ..load import MESSAGE_ORDER
 from ..model_file import read_model
-from .artefact import write_artefact
+from .artefact import arm_of, write_artefact
 from .calibration import calibrate, held_out_scores
 from .features import feature_count
 from .network import LoadNetwork
@@ -92,7 +92,7 @@ def _optimised(robot, recipe, paths, work, device, write, start):
 def _card(model, job, spans, scores, seconds):
     return {
         'name': f'LSTM load network for {model.robot.name}',
-        'joints': list(model.robot.joints), 'effort_kind': model.robot.effort.kind,
+        **arm_of(model.robot),
         'outputs': 'correction per joint for the recursive regression; shift and '
                    f'spread of {", ".join(MESSAGE_ORDER)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',

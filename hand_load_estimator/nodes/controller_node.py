@@ -3,6 +3,7 @@
 import sys
 from collections import Counter
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -20,20 +21,23 @@ from ..control.fallback import FallbackSettings, usable_estimate
 from ..control.supervisor import CycleSettings, Supervisor
 from ..errors import ConfigurationError
 from ..input_guard import InputGuard
-from ..joint_stream import PLAUSIBLE_TEMPERATURE, joint_index
-from ..model_file import read_model
+from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
+from ..load import products_from_message
+from ..model_of_robot import model_of_robot
 from ..robot import load_robot
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
-from .diagnostics import ERROR, OK, WARN, Diagnostics
-from .estimate_messages import vector_of_inertia
+from .diagnostics import Diagnostics, ERROR, OK, WARN
+from .draining import subscribe_draining
+from .estimate_messages import KNOWN_MASSES, vector_of_inertia
+from .input_report import InputReport
 from .load_pairing import LoadPairing
 from .model_choice import robot_and_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement
 from .runner import run_node
-from .stamps import StampBase
+from .stamps import ClockOffset, StampBase
 from .temperature_input import subscribe_dynamic_joint_states
 
 _LAST_WORDS = 0.5  # [s] at most, for the last trajectory to be received
@@ -43,12 +47,9 @@ _RESTING = 5  # thresholds at rest are published every this many cycles
 def model_from_parameters(values):
     """Return the TorqueModel the parameters ask for; raises ConfigurationError."""
     path, model_file = robot_and_model(values)
-    robot, model = load_robot(path), read_model(model_file)
-    if model.robot.joints != robot.joints:
-        raise ConfigurationError('parameter model', f'belongs to other joints than {path}',
-                                 list(model.robot.joints), list(robot.joints))
+    robot = load_robot(path)
     # The limits that hold are today's robot file's, not those of the day of identification.
-    return replace(model, robot=robot)
+    return replace(model_of_robot(model_file, robot), robot=robot)
 
 
 def settings_from_parameters(values, robot):
@@ -79,16 +80,22 @@ class ControllerNode(Node):
         model = model_from_parameters(values)
         self._robot = model.robot
         self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
-        self._guard = InputGuard(self._robot)
-        self._rejected, self._base = Counter(), StampBase()
-        self._pairing, self._behind, self._ticks = LoadPairing(), 0.0, 0
+        self._model, self._guard, self._input = model, InputGuard(self._robot), InputReport()
+        self._rejected, self._base, self._offset = Counter(), StampBase(), ClockOffset()
+        self._temperature_names = TemperatureNames(self._robot.joints, self._rejected)
+        self._pairing, self._ticks = LoadPairing(), 0
         self._said = {}
         self._create_outputs()
         self._create_inputs(values)
         self._create_diagnostics()
         self.create_timer(1.0 / values.rate, self._tick)
+        if values.autostart:
+            self._supervisor.start()
         self._say_changes()
-        self.get_logger().info(f'controlling {self._robot.name}; waiting for joint states')
+        self.get_logger().info(
+            f'controlling {self._robot.name} with {robot_and_model(values)[1]}; ' + (
+                'moves as soon as joint states come' if values.autostart else
+                'moves after ~/start'))
 
     def _create_outputs(self):
         self._trajectory = self.create_publisher(
@@ -99,8 +106,8 @@ class ControllerNode(Node):
         self._phase = self.create_publisher(String, '~/phase', LATCHED)
 
     def _create_inputs(self, values):
-        self.create_subscription(JointState, 'joint_states', self._on_joint_state,
-                                 measurement(values.joint_states_depth))
+        subscribe_draining(self, JointState, 'joint_states', self._on_joint_state,
+                           measurement(values.joint_states_depth))
         self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
                                  measurement(200))
         subscribe_dynamic_joint_states(self, values.joint_states_depth, self._take_temperature)
@@ -109,9 +116,12 @@ class ControllerNode(Node):
                                  OUTPUT)
         self.create_subscription(Float64MultiArray, 'estimator/load_covariance',
                                  self._on_covariance, OUTPUT)
+        self.create_subscription(InertiaStamped, 'estimator/known_load', self._on_known_load,
+                                 LATCHED)
         self.create_subscription(DiagnosticStatus, 'estimator/status', self._on_status, LATCHED)
         self.create_subscription(JointState, 'estimator/residual_torque', self._on_residual,
                                  measurement(100))
+        self.create_service(Trigger, '~/start', self._on_start)
         self.create_service(Trigger, '~/reset', self._on_reset)
 
     def _create_diagnostics(self):
@@ -125,22 +135,25 @@ class ControllerNode(Node):
         return self._base.seconds(self.get_clock().now().to_msg())
 
     def _on_joint_state(self, message):
-        # The controller does not read the effort; a joint without one still has a position.
         stamp = self._base.seconds(message.header.stamp)
+        self._input.joint_state()
+        # The controller does not read the effort; a joint without one still has a position.
         accepted = self._guard.accept(stamp, message.name, message.position, message.velocity,
                                       [0.0] * len(message.name))
         if accepted is None:
             return
         q, v, _ = accepted
-        now = self._now()
-        self._behind = now - stamp
-        self._supervisor.measured(now, q, v)
+        if self._guard.restarted:
+            self._offset.restart()
+        # When it was measured, in this node's time: one that has waited in a queue is old.
+        self._supervisor.measured(self._offset.update(self._now(), stamp), q, v)
 
     def _on_temperature(self, message):
         self._take_temperature(message.header.frame_id, message.temperature)
 
     def _take_temperature(self, joint, celsius):
-        index = joint_index(joint, self._robot.joints)
+        self._input.temperature(joint, self._robot.joints)
+        index = self._temperature_names.index(joint)
         low, high = PLAUSIBLE_TEMPERATURE
         if index is None:
             return
@@ -167,15 +180,24 @@ class ControllerNode(Node):
     def _take_estimate(self, estimate):
         if estimate is None:
             return
-        unusable = usable_estimate(*estimate)
+        unusable = usable_estimate(*estimate, self._supervisor.policy.known[0])
         if unusable:
             self._rejected[unusable] += 1
         else:
             self._supervisor.policy.estimate(self._now(), *estimate)
 
+    def _on_known_load(self, message):
+        vector = np.array(vector_of_inertia(message.inertia))
+        if np.isfinite(vector).all():
+            self._supervisor.policy.known = products_from_message(vector)
+        else:
+            self._rejected['known_load_not_finite'] += 1
+
     def _on_status(self, message):
         values = {pair.key: pair.value for pair in message.values}
-        self._supervisor.policy.status(self._now(), message.message, values.get('load_id', ''))
+        self._supervisor.policy.status(
+            self._now(), message.message, values.get('load_id', ''),
+            sum(float(values.get(key, 0.0)) for key in KNOWN_MASSES))
 
     def _on_residual(self, message):
         torque = effort_by_name(message, self._robot.joints)
@@ -184,20 +206,31 @@ class ControllerNode(Node):
         elif not np.isfinite(torque).all():
             self._rejected['residual_not_finite'] += 1
         else:
-            # In this node's time, whatever clock stamps the joint states.
-            stamp = self._base.seconds(message.header.stamp) + self._behind
-            self._supervisor.residual(stamp, torque)
+            self._supervisor.residual(
+                self._offset.here(self._base.seconds(message.header.stamp)), torque)
+
+    def _on_start(self, _request, response):
+        refused = self._supervisor.start()
+        self._say_changes()
+        response.success = not refused
+        response.message = refused or f'goes on with {self._supervisor.phase}'
+        return response
 
     def _on_reset(self, _request, response):
         self._supervisor.reset()
         self._say_changes()
         response.success = True
-        response.message = f'goes on with {self._supervisor.phase}'
+        response.message = f'{self._supervisor.phase}; ~/start goes on with the cycle'
         return response
 
+    @property
+    def _no_clock(self):
+        """Whether use_sim_time is set and /clock has not arrived."""
+        return self.get_clock().now().nanoseconds == 0
+
     def _tick(self):
-        if self.get_clock().now().nanoseconds == 0:
-            return  # use_sim_time, and /clock has not arrived
+        if self._no_clock:
+            return
         now = self._now()
         ready = self._trajectory.get_subscription_count() > 0
         self._send(self._supervisor.tick(now, ready))
@@ -236,11 +269,17 @@ class ControllerNode(Node):
                            'acceleration time [s]': move.profile.acceleration_time,
                            'deceleration time [s]': move.profile.deceleration_time})
         if supervisor.phase == 'stopped':
-            return ERROR, f'{supervisor.stop_reason}; call ~/reset to go on', values
+            return ERROR, f'{supervisor.stop_reason}; call ~/reset, then ~/start', values
+        if self._no_clock:
+            return WARN, 'use_sim_time is set and no /clock arrives: nothing moves', values
         if self._trajectory.get_subscription_count() == 0:
             return WARN, 'nobody takes joint_trajectory_controller/joint_trajectory', values
         if move is not None and not move.feasible:
             return WARN, move.reason, values
+        if supervisor.tries:
+            return WARN, f'the arm does not follow; try {supervisor.tries + 1}', values
+        if supervisor.phase == 'waiting':
+            return OK, 'waiting for ~/start', values
         return OK, supervisor.phase, values
 
     def _report_load(self):
@@ -267,10 +306,8 @@ class ControllerNode(Node):
         rejected = self._guard.rejected + self._rejected
         if self._pairing.unpaired:
             rejected['covariance_without_load'] = self._pairing.unpaired
-        values = {f'rejected {reason}': count for reason, count in sorted(rejected.items())}
-        if self._guard.last_stamp is None:
-            return ERROR, 'no joint states have arrived', values
-        return OK, 'joint states arrive', values
+        return self._input.report(SimpleNamespace(
+            rejected=rejected, temperature=self._supervisor.temperature, model=self._model))
 
     def stop(self):
         """End a motion under way with a braking trajectory."""

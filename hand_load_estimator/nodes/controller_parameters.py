@@ -2,17 +2,22 @@
 
 from .parameters import Parameter
 
+_WAYPOINTS = ('give waypoints of your arm and cell; --params-file config/controller.yaml has those of the '
+              'shipped UR10e')
+
 CONTROLLER_PARAMETERS = (
     Parameter('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
     Parameter('model', '', 'torque model file: a path or the short name of a shipped one; empty: '
               'the shipped model named like the robot'),
+    Parameter('autostart', False, 'begin the cycle without a call of ~/start: the arm moves as soon '
+              'as joint states come'),
     Parameter('cycles', 1, 'pick-and-place cycles to run; 0: until stopped', low=0, high=10**6),
-    Parameter('home', (0.0, -1.8, 2.5, -2.27, -1.57, 0.0), 'joint positions between cycles',
-              'rad', low=-20.0, high=20.0),
-    Parameter('pick', (0.7, -1.25, 2.2, -2.52, -1.57, 0.7), 'joint positions at which the load '
-              'is gripped', 'rad', low=-20.0, high=20.0),
-    Parameter('place', (-0.9, -1.3, 1.75, -2.02, -1.57, -0.5), 'joint positions at which the '
-              'load is released', 'rad', low=-20.0, high=20.0),
+    Parameter('home', (0.0,), 'joint positions between cycles', 'rad', low=-20.0, high=20.0,
+              todo=_WAYPOINTS),
+    Parameter('pick', (0.0,), 'joint positions at which the load is gripped', 'rad', low=-20.0,
+              high=20.0, todo=_WAYPOINTS),
+    Parameter('place', (0.0,), 'joint positions at which the load is released', 'rad', low=-20.0,
+              high=20.0, todo=_WAYPOINTS),
     Parameter('dwell', 1.5, 'time at pick and place, in which the hand grips or releases', 's',
               low=0.0, high=600.0),
     Parameter('home_dwell', 1.0, 'time at home before a cycle', 's', low=0.0, high=600.0),

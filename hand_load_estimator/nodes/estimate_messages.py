@@ -15,6 +15,8 @@ _LAYOUT = MultiArrayLayout(dim=[MultiArrayDimension(label=f'rows:{_LABELS}', siz
                                 MultiArrayDimension(label=f'columns:{_LABELS}', size=10,
                                                     stride=10)])
 
+# Keys of the status that tell masses [kg] held beside the estimate.
+TARED, TOOL = KNOWN_MASSES = 'tared mass [kg]', 'tool mass [kg]'
 # Standard deviations below zero from which a mass is no error of the estimate any more.
 IMPOSSIBLE = 3.0
 
@@ -60,7 +62,7 @@ def estimate_status(name, estimate, age, method, tared_mass, more=()):
     """
     values = {'determined': ' '.join('1' if d else '0' for d in estimate.determined),
               'age': age, 'reason': estimate.reason, 'load_id': estimate.load_id,
-              'method': method, 'tared mass [kg]': tared_mass, **dict(more)}
+              'method': method, TARED: tared_mass, **dict(more)}
     return status_message(name, _LEVELS.get(estimate.status, OK), estimate.status, values)
 
 

@@ -1,6 +1,7 @@
 """Estimator node: joint states and temperatures in, load with its covariance out."""
 
 import sys
+import time
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
@@ -15,18 +16,20 @@ from visualization_msgs.msg import MarkerArray
 
 from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
+from ..estimators.pipeline import TareError
+from ..load import message_from_products
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .controller_messages import trajectory_message
 from .diagnostics import WARN, Diagnostics
 from .draining import subscribe_draining
 from .estimate_messages import (covariance_message, estimate_status, impossible_mass,
-                                inertia_message, residual_message)
+                                inertia_message, residual_message, TOOL)
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
 from .model_choice import robot_and_model
-from .model_report import report_model
+from .model_report import report_model, told_of_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
 from .runner import run_node
@@ -61,6 +64,7 @@ class EstimatorNode(Node):
         self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age)
         self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
+        self._newest = self._arrived = None
         self._last_status = self._drawn_next = None
         self._input = InputReport()
         self._create_outputs()
@@ -70,9 +74,10 @@ class EstimatorNode(Node):
         self.create_timer(_CHECKPOINT_PERIOD, lambda: self._checkpoint.keep(self._pipeline),
                           clock=steady)
         self._create_diagnostics()
+        self._publish_known_load()
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
-                               f'{self._pipeline.method.name}; checkpoint: '
-                               f'{self._checkpoint.told}')
+                               f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
+                               f'checkpoint: {self._checkpoint.told}')
 
     def _use(self, pipeline):
         self._model_written = pipeline.model_file.stat().st_mtime
@@ -88,6 +93,7 @@ class EstimatorNode(Node):
         self._variance = publisher(self, InertiaStamped, '~/load_variance', OUTPUT)
         self._covariance = publisher(self, Float64MultiArray, '~/load_covariance', OUTPUT)
         self._residual = publisher(self, JointState, '~/residual_torque', OUTPUT)
+        self._known = publisher(self, InertiaStamped, '~/known_load', LATCHED)
         self._markers = publisher(self, MarkerArray, '~/markers', OUTPUT)
         self._status = publisher(self, DiagnosticStatus, '~/status', LATCHED)
         self._suggested = publisher(self, JointTrajectory, '~/suggested_motion', LATCHED)
@@ -116,6 +122,8 @@ class EstimatorNode(Node):
         self._input.joint_state()
         estimate = self._pipeline.joint_state(seconds, message.name, message.position,
                                               message.velocity, message.effort)
+        if self._pipeline.last_stamp != self._newest:
+            self._newest, self._arrived = self._pipeline.last_stamp, time.monotonic()
         drawn_next, self._drawn_next = self._drawn_next, estimate
         if estimate is not None:
             self._publish_estimate(estimate)
@@ -152,15 +160,14 @@ class EstimatorNode(Node):
             self._markers.publish(estimate_markers(estimate, header))
 
     def _now(self):
-        return self._base.seconds(self.get_clock().now().to_msg())
+        """Return the time [s] on the clock of the joint states, 0 before the first usable one."""
+        # By what arrives and when: that clock and this node's need not agree.
+        return 0.0 if self._newest is None else self._newest + time.monotonic() - self._arrived
 
     def _current(self):
         """Return the estimate as of now and the age of the newest measurement in it [s]."""
-        # Before the first message there is no base to count from, and nothing to be late.
-        if self._last_stamp is None:
-            return self._pipeline.estimate(0.0), float('nan')
-        now = self._now()
-        return self._pipeline.estimate(now), now - self._last_stamp
+        now, newest = self._now(), self._last_stamp
+        return self._pipeline.estimate(now), float('nan') if newest is None else now - newest
 
     def _publish_status(self):
         estimate, age = self._current()
@@ -171,7 +178,7 @@ class EstimatorNode(Node):
     def _status_of(self, name, estimate, age):
         return estimate_status(name, estimate, age, self._pipeline.method.name,
                                self._pipeline.tared_mass,
-                               {'tool mass [kg]': self._pipeline.tool_mass,
+                               {TOOL: self._pipeline.tool_mass,
                                 'checkpoint': self._checkpoint.told,
                                 **self._pipeline.reliability})
 
@@ -193,7 +200,11 @@ class EstimatorNode(Node):
         return response
 
     def _on_tare(self, _request, response):
-        self._pipeline.tare()
+        try:
+            self._pipeline.tare(self._now())
+        except TareError as error:
+            response.success, response.message = False, str(error)
+            return response
         self._after_request()
         response.success, response.message = True, 'what is held now counts as zero'
         return response
@@ -232,7 +243,13 @@ class EstimatorNode(Node):
     def _after_request(self):
         """Tell at once, and keep: a kill must not undo what was asked for."""
         self._checkpoint.keep(self._pipeline, even_if_old=True)
+        self._publish_known_load()
         self._publish_status()
+
+    def _publish_known_load(self):
+        self._known.publish(inertia_message(
+            message_from_products(self._pipeline.known_load),
+            self.get_clock().now().to_msg(), self._robot.load_frame))
 
     def stop(self):
         """Write the last checkpoint."""

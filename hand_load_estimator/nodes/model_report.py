@@ -37,6 +37,12 @@ def report_model(pipeline, written, base):
     return OK, 'residuals are what the model states', values
 
 
+def told_of_model(pipeline):
+    """Return in words which model is at work and where it comes from."""
+    names = pipeline.model.recording_names
+    return f'{pipeline.model_file} (identified from {", ".join(names) or "no recordings"})'
+
+
 def _of_joints(key, model, numbers):
     """Return {key with the joint's name: number}, without what is not known."""
     return {key.format(joint): float(number)

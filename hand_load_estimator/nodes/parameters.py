@@ -27,7 +27,8 @@ class Parameter:
 
     default: bool, int, float, str, or a non-empty tuple of floats or strings; its type is the
     parameter's type. low, high: range of a number or of each number of a tuple. choices: allowed
-    texts. size: required length of a tuple. read_only: fixed after start.
+    texts. size: required length of a tuple. read_only: fixed after start. todo: of a parameter
+    that must be given, what to do where it is not; its default only tells the type.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Parameter:
     choices: tuple = ()
     size: int | None = None
     read_only: bool = True
+    todo: str = ''
 
     @property
     def field(self):
@@ -136,6 +138,9 @@ class NodeParameters:
         node.add_post_set_parameters_callback(self._apply)
 
     def _declare(self, node, row):
+        if row.todo and row.name not in _overrides(node):
+            raise ConfigurationError(f'{self._where}: parameter {row.name}', 'must be given',
+                                     allowed=row.allowed, todo=row.todo)
         default = list(row.default) if isinstance(row.default, tuple) else row.default
         try:
             try:
@@ -190,7 +195,8 @@ def markdown_table(table):
     for row in table:
         default = list(row.default) if isinstance(row.default, tuple) else row.default
         default = str(default).lower() if isinstance(default, bool) else default
+        default = 'must be given' if row.todo else f'`{default}`'
         change = '' if row.read_only else ' (can be changed while running)'
-        lines.append(f'| `{row.name}` | `{default}` | {row.unit} | {row.allowed or row.kind} '
+        lines.append(f'| `{row.name}` | {default} | {row.unit} | {row.allowed or row.kind} '
                      f'| {row.description}{change} |')
     return '\n'.join(lines)

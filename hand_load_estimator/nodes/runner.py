@@ -62,12 +62,13 @@ def run_node(make_node, args=None):
         gc.collect()
         gc.freeze()
         _spin(node, stop)
-        if hasattr(node, 'stop') and rclpy.ok():
-            node.stop()
     except ConfigurationError as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
     finally:
+        # Also after a fault of its own: an arm under way must not be left to its last trajectory.
+        if hasattr(node, 'stop') and rclpy.ok():
+            node.stop()
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()

@@ -25,6 +25,36 @@ class StampBase:
         return time_message(int(round(seconds * 1e9)) + (self._origin or 0) * 10**9)
 
 
+class ClockOffset:
+    """
+    What this node's clock is ahead of the clock that stamps the joint states.
+
+    The smallest offset seen is that of a message that came at once; what is above it has waited.
+    It may grow by DRIFT, as clocks run apart.
+    """
+
+    DRIFT = 1e-3  # [s/s]
+
+    def __init__(self):
+        self.restart()
+
+    def restart(self):
+        """Begin anew, as after a jump of either clock."""
+        self._offset, self._updated = 0.0, None
+
+    def update(self, now, stamp):
+        """Take a stamp [s] that arrived at `now` [s]; return it in this node's time [s]."""
+        seen = now - stamp
+        if self._updated is not None:
+            seen = min(seen, self._offset + self.DRIFT * max(now - self._updated, 0.0))
+        self._offset, self._updated = seen, now
+        return self.here(stamp)
+
+    def here(self, stamp):
+        """Return a stamp [s] in this node's time [s]."""
+        return stamp + self._offset
+
+
 def time_message(nanoseconds):
     """Return integer nanoseconds since 1970 as a builtin_interfaces Time."""
     sec, nanosec = divmod(max(nanoseconds, 0), 10**9)

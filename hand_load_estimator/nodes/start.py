@@ -5,6 +5,7 @@ The imports of a node take seconds on a small machine. A Ctrl-C that comes meanw
 in order too, so signals are heeded before anything else is imported.
 """
 
+import sys
 from importlib import import_module
 
 from .signals import heed_signals
@@ -12,7 +13,12 @@ from .signals import heed_signals
 
 def _run(name, args):
     stop = heed_signals()
-    main = import_module(f'.{name}_node', __package__).main
+    try:
+        main = import_module(f'.{name}_node', __package__).main
+    except ModuleNotFoundError as error:
+        print(f'error: {name}_node needs {error.name}, which is not installed; source a ROS 2 Jazzy '
+              'or pip install -r requirements.txt', file=sys.stderr)
+        return 2
     return 0 if stop else main(args)
 
 
