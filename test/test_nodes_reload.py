@@ -131,6 +131,9 @@ def test_a_better_model_is_taken_without_restart(estimator, feeder, listener, fi
     assert int(estimator.values()['load_id']) >= load_id
     listener.until(lambda: estimator.counted('received joint_states') == 1200, 5.0, 'the count')
     assert int(estimator.said('estimate')[1]['samples']) == 1200
+    values = estimator.said('model')[1]
+    assert values['file'] == str(files / 'right.yaml') and values['recordings'] == 'run 1, run 2'
+    assert values['written'].startswith('20')
 
 
 def test_a_reload_drops_the_tare_and_says_so(estimator, feeder, listener, files):
@@ -140,9 +143,6 @@ def test_a_reload_drops_the_tare_and_says_so(estimator, feeder, listener, files)
     listener.until(lambda: float(estimator.values()['tared mass [kg]']) > 1.0, 5.0, 'the tare')
     assert 'tare again' in estimator.reload().message
     listener.until(lambda: float(estimator.values()['tared mass [kg]']) == 0.0, 5.0, 'no tare')
-    values = estimator.said('model')[1]
-    assert values['file'] == str(files / 'right.yaml') and values['recordings'] == 'run 1, run 2'
-    assert values['written'].startswith('20')
 
 
 def test_a_model_that_does_not_fit_is_refused(estimator, feeder, listener, files):
