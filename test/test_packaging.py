@@ -31,7 +31,7 @@ KEYS = {'yaml': 'python3-yaml', 'numpy': 'python3-numpy', 'scipy': 'python3-scip
         'safetensors': 'python3-safetensors-pip', 'gpytorch': 'python3-gpytorch-pip',
         'evox': 'python3-evox-pip'}
 # Rivals and cluster backends of the benchmark are asked for by name, and told when missing.
-OPTIONAL = {'control_msgs', 'absl', 'figaroh', 'joblib'}
+OPTIONAL = {'absl', 'figaroh', 'joblib'}
 
 
 def copy_tree(target):

@@ -1,7 +1,6 @@
 """`hand_load estimate`: the load in a recording, as the running estimator would have told it."""
 
 import json
-from pathlib import Path
 import sys
 
 from ..estimators.registry import DEFAULT, METHODS
@@ -32,14 +31,16 @@ def run(args):
     """Estimate, write the JSON and print the answer."""
     from ..estimation import estimate_recording
     from ..estimators.build import build_pipeline
+    from ..output_file import output_file
     from ..recording import read_recording
     from ..shared_files import find_shared
+    out = output_file(args.out)
     learned = args.learned and str(find_shared(args.learned, 'learned'))
     pipeline = build_pipeline(args.model, args.method, learned, tool_path=args.tool)
     # The answer must not know the load: load.yaml is not read.
     recording = read_recording(args.recording, with_load=False, **topics(args))
     result = estimate_recording(pipeline, recording)
-    Path(args.out).write_text(json.dumps(result) + '\n', encoding='utf-8')
+    out.write_text(json.dumps(result) + '\n', encoding='utf-8')
     _report(result)
     return 0
 

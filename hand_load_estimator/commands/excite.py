@@ -10,6 +10,7 @@ from ..errors import ConfigurationError
 from ..excitation import make_box, Search
 from ..excitation_information import INDEPENDENT_RATE
 from ..excitation_limits import check_centre, choose_centre, torque_use
+from ..output_file import output_file
 from ..robot import load_robot
 from ..shared_files import find_shared
 from ..trajectory import write_trajectory_csv
@@ -68,9 +69,7 @@ def _outputs(out):
     for path in paths:
         if path.exists():
             raise ConfigurationError(path, 'exists already', todo='give the name of a new file')
-    if not base.parent.is_dir():
-        raise ConfigurationError(base.parent, 'is not a folder', todo='make it first')
-    return paths
+    return [output_file(path) for path in paths]
 
 
 class _Progress:

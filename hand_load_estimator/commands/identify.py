@@ -49,13 +49,15 @@ def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification import identify
     from ..model_file import write_model
+    from ..output_file import output_file
     from ..robot import load_robot
     from ..shared_files import find_shared
+    out = output_file(args.out)
     robot = load_robot(find_shared(args.robot, 'robots'))
     evidence = read_evidence(robot, args)
     effects = args.effects.split(',') if args.effects else None
     model = identify(robot, evidence, effects, progress=_say)
-    write_model(args.out, dated(model, model.residuals.sliding))
+    write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
     return 0
 

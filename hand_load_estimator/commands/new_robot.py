@@ -1,8 +1,7 @@
 """`hand_load new-robot`: a robot file to complete, from a URDF."""
 
-from pathlib import Path
-
 from ..errors import ConfigurationError
+from ..output_file import output_file
 from ..robot_draft import draft_robot_file, read_chain, TO_COMPLETE, values_to_complete
 
 EXAMPLE = """
@@ -22,7 +21,7 @@ def add_arguments(parser):
 
 def run(args):
     """Write the draft and say what is left to do."""
-    out = Path(args.out)
+    out = output_file(args.out)
     if out.exists():
         raise ConfigurationError(out, 'exists already', todo='give the name of a new file')
     chain = read_chain(args.urdf, args.tip)

@@ -142,13 +142,12 @@ class EstimatorNode(Node):
     def _publish_estimate(self, estimate):
         seconds, key = estimate.stamp, (estimate.status, estimate.load_id)
         self._last_stamp = seconds
-        due = self._outputs_throttle.due(seconds)
-        if key == self._last_status and not due:
-            return
         stamp, frame = self._base.message(seconds), self._robot.load_frame
-        self._load.publish(inertia_message(estimate.mean, stamp, frame))
-        self._variance.publish(inertia_message(estimate.std ** 2, stamp, frame))
-        self._covariance.publish(covariance_message(estimate.covariance))
+        if self._outputs_throttle.due(seconds) or key != self._last_status:
+            self._load.publish(inertia_message(estimate.mean, stamp, frame))
+            self._variance.publish(inertia_message(estimate.std ** 2, stamp, frame))
+            self._covariance.publish(covariance_message(estimate.covariance))
+        # Whoever looks for collisions cannot do with fewer.
         self._residual.publish(residual_message(self._joints, self._pipeline.residual, stamp))
         if key != self._last_status:
             self._publish_status()
