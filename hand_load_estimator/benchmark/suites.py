@@ -83,7 +83,7 @@ SUITES = {
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
                         'joint of the arm can have it so strong, the next one)',
-                        draw_undeclared_case, CASES_PER_EFFECT * len(EFFECTS), 11)}
+                        draw_undeclared_case, CASES_PER_EFFECT * len(UNDECLARED))}
 
 
 def cases_of(suite, count=None, development=False):
