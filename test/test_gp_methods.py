@@ -214,6 +214,24 @@ def test_e2_4_an_outlier_raises_the_entropy_and_does_not_count(gate):
     assert gate(0.0)
 
 
+def test_e2_4_an_outlier_in_a_stream_is_refused_and_widens_the_residual(folder):
+    """40 ms of torque eight standard deviations off, through the whole pipeline."""
+    made, seen = pipeline('gp_histogram', folder), []
+    off = 8.0 * model().residuals.rmse / model().robot.effort.torque_constants
+    for m in stream(LOAD, 4.0, seed=7):
+        struck = 103.0 <= m.stamp < 103.04
+        estimate = made.joint_state(m.stamp, m.names, m.position, m.velocity,
+                                    m.effort + off * struck)
+        if estimate is not None:
+            seen.append((m.stamp, made.method.refused, made.method._scale.value,
+                         (estimate.mean[0] - LOAD.mass) / estimate.std[0]))
+    stamps, refused, scale, away = np.array(seen).T
+    before, after = stamps < 103.0, stamps > 103.05
+    assert refused[after][0] > refused[before][-1]
+    assert scale[after][0] > scale[before][-1] + 0.01
+    assert np.abs(away[after]).max() < 4.0
+
+
 def test_e2_4_the_gate_does_not_lock(gate):
     """What contradicts for good comes to count, and widens what is believed."""
     asked = [gate(8.0) for _ in range(round(2.0 * LOCKED / 0.02))]
