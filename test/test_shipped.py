@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import cases
+from hand_load_estimator.benchmark.contestants import our_contestants
 from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefact,
                                                   shipped_difference)
+from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.registry import ON_DIFFERENCE
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.difference_artefact import read_difference
@@ -64,3 +67,32 @@ def test_every_direct_network_is_shipped_small_and_calibrated(network):
     assert set(held_out) == set(MESSAGE_ORDER)
     assert 0.92 <= np.mean(list(held_out.values())) <= 0.98
     assert build_pipeline('ur10e', network, None, 'ur10e').method.name == network
+
+
+@pytest.fixture(scope='module')
+def light_and_heavy():
+    """Return [(load, MotionSamples)] of 0.8 and 8.8 kg, 4 s of motion of the arm that is shipped."""
+    robot, out = load_robot(find_shared('ur10e', 'robots')), []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cases, 'DURATION', 5.5)
+        for seed in (seeds.DEVELOPMENT_CASES[802], seeds.DEVELOPMENT_CASES[803]):
+            case = cases.draw_case(robot, seeds.SHIPPED_MODEL_PLANT, seed)
+            out.append((case.load, cases.case_run(robot, case).samples))
+    return out
+
+
+@pytest.mark.parametrize('network', NETWORKS)
+def test_every_shipped_direct_network_weighs_what_is_held(network, light_and_heavy):
+    """
+    E1.3, E1.4, E1.6, E6.1, E6.2: one load lighter, one heavier than what is expected before.
+
+    An answer that does not depend on the load is far off for one of them.
+    """
+    model = read_model(find_shared('ur10e', 'models'))
+    expected = load_prior(model.robot).mean[0]
+    for load, samples in light_and_heavy:
+        ((name, contestant),) = our_contestants(model, (network,), None).items()
+        assert name == network
+        for sample in samples:
+            belief = contestant.update(sample)
+        assert abs(belief.mean[0] - load.mass) < 0.2 * abs(expected - load.mass)
