@@ -11,7 +11,8 @@ from .effect_measure import case_result
 from .effect_page import effects_markdown
 from .effect_scores import effect_rows, pair_rows, totals
 from .execute import measure_all
-from .run import commit_now, same_run, SCHEMA
+from .provenance import commit_now, same_run, sources
+from .run import SCHEMA
 
 SUITE = 'effects'
 
@@ -49,7 +50,7 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
     raw = out / 'raw'
     raw.mkdir(parents=True, exist_ok=True)
     key = {'suite': SUITE, 'robot': Path(robot_path).read_text('utf-8'), 'commit': commit_now(),
-           'development': development}
+           'sources': sources(), 'development': development}
     same_run(raw, key)
     cases = suite_cases(load_robot(robot_path), development)
     try:

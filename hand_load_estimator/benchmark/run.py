@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 import hashlib
-import json
 from pathlib import Path
-import subprocess
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
@@ -28,6 +26,7 @@ from .offline import chosen_rivals
 from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
                           soak_blocks)
 from .page import leading, suite_blocks
+from .provenance import commit_now, same_run, sources
 from .real import measure_set, real_jobs, real_scores
 from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
@@ -68,19 +67,6 @@ class Options:
     backend: str = PROCESSES
 
 
-def commit_now():
-    """Return the code's commit, and a digest of what was changed since."""
-    def git(*arguments):
-        return subprocess.run(['git', *arguments], text=True, capture_output=True,
-                              cwd=Path(__file__).parent, check=False).stdout.strip()
-    try:
-        commit, changes = git('rev-parse', '--short', 'HEAD'), git('diff', 'HEAD')
-    except OSError:
-        return 'unknown'
-    digest = hashlib.sha256(changes.encode()).hexdigest()[:8]
-    return f'{commit or "unknown"} with changes {digest}' if changes else commit or 'unknown'
-
-
 def _artefact(robot_path, options):
     """Return a digest of the default method's artefact for a robot file, or None without one."""
     folder = options.learned or shipped_artefact(load_robot(robot_path))
@@ -93,11 +79,11 @@ def _artefact(robot_path, options):
 
 
 def _key(suite, robot_path, options):
-    """Return what results depend on: suite, robot file, artefact, choices, the code's commit."""
+    """Return what results depend on: suite, robot file, artefact, choices, the code."""
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
             'artefact': _artefact(robot_path, options), 'commit': commit_now(),
-            'methods': list(chosen_methods(options.methods)), 'rivals': list(options.rivals),
-            'cases': options.cases, 'hours': options.hours, 'data': options.data,
+            'sources': sources(), 'methods': list(chosen_methods(options.methods)),
+            'rivals': list(options.rivals), 'cases': options.cases, 'hours': options.hours, 'data': options.data,
             'development': options.development}
 
 
@@ -107,15 +93,6 @@ def _run(options, command, commit):
     return {'command': command, 'commit': commit,
             'robot': hashlib.sha256(Path(robot_path).read_bytes()).hexdigest(),
             'artefact': _artefact(robot_path, options), 'development': options.development}
-
-
-def same_run(raw, key):
-    """Note what the raw results belong to; refuse to mix two runs."""
-    note = raw / 'key.json'
-    if note.exists() and json.loads(note.read_text('utf-8')) != key:
-        raise ConfigurationError(raw, 'holds results of another suite, robot, artefact or commit',
-                                 todo='remove it or give another --out')
-    note.write_text(json.dumps(key), encoding='utf-8')
 
 
 def suite_names(text):
