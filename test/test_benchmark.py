@@ -305,7 +305,7 @@ def broken(*_):
 def test_what_is_there_is_kept(tmp_path):
     path = tmp_path / 'plant_1234.json'
     path.write_text('[]')
-    assert stored(broken, 'plant_1234', (), tmp_path) == ([], False)
+    assert stored(broken, 'plant_1234', (), tmp_path) == []
     assert path.read_text() == '[]'
     with pytest.raises(RuntimeError):
         stored(broken, 'plant_1235', (), tmp_path)

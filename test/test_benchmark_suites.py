@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 
 from core_helpers import four_axes
 import numpy as np
@@ -156,6 +157,27 @@ def test_a_broken_job_is_told_and_left_out(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ['n4.json']
     with pytest.raises(ValueError):
         execute.measure_all(math.sqrt, {'n-1': (-1,)}, tmp_path, workers=0)
+
+
+def test_a_cluster_gives_its_results_to_this_process(tmp_path, monkeypatch):
+    """joblib's loky stands for it: the workers write nothing, and all of them are used."""
+    joblib = pytest.importorskip('joblib', reason='joblib is not installed: no cluster to test')
+    asked, kept = [], execute._keep
+    monkeypatch.setattr(execute, '_keep', lambda *given: asked.append(os.getpid()) or kept(*given))
+    given, config = [], joblib.parallel_config
+    monkeypatch.setattr(joblib, 'parallel_config', lambda **told: given.append(told) or config(
+        **{**told, 'n_jobs': 2}))
+    told, jobs = [], {f'n{k}': (k,) for k in (4, -1, 9)}
+    found = execute.measure_all(math.sqrt, jobs, tmp_path, backend='loky', write=told.append)
+    assert found == {'n4': 2.0, 'n9': 3.0} and asked == [os.getpid()] * 2
+    assert given == [{'backend': 'loky', 'n_jobs': -1}]
+    assert any('n-1 failed: ValueError' in line for line in told)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['n4.json', 'n9.json']
+    # What is there is not measured again, and what failed is tried.
+    (tmp_path / 'n9.json').write_text('"kept"')
+    jobs['n-1'] = (16,)
+    found = execute.measure_all(math.sqrt, jobs, tmp_path, 2, 'loky', told.append)
+    assert found == {'n4': 2.0, 'n-1': 4.0, 'n9': 'kept'} and len(asked) == 3
 
 
 def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
