@@ -123,6 +123,23 @@ def test_the_page_shows_what_was_measured():
     assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
 
 
+def test_the_page_tells_every_methods_coverage_in_a_row():
+    """Half the cases of `gru` leave the mass's interval at every time, those of `lstm` none."""
+    results = [result(k, k) for k in range(4)]
+    for k, found in enumerate(results):
+        rows = found['methods']['lstm']
+        away = np.r_[5.0 * (k % 2), np.zeros(9)]
+        found['methods'] = {name: [[(np.array(mean) + off).tolist(), std] for mean, std in rows]
+                            for name, off in (('lstm', 0.0), ('gru', away), ('rival', away))}
+        found['seconds_per_sample'] = dict.fromkeys(found['methods'], 1e-3)
+    page = to_markdown(suite_blocks('Accuracy', '', {'scores': score(results, 12.5),
+                                                     'overview': overview(results)}, (), '', ''))
+    first = MESSAGE_ORDER[0]
+    assert f'| lstm | 100.0 | 100.0 ({first}) | 100.0 ({first}) |' in page
+    assert f'| gru | 95.0 | 50.0 ({first}) | 100.0 (' in page
+    assert '| rival | 95.0' not in page
+
+
 # The bound.
 
 def bounds(mass=2.0, noise=0.3, seconds=3.0):
