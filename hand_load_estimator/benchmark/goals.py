@@ -175,7 +175,7 @@ def _mismatch_rows(base):
 
 def _change_rows(content):
     seen = ('load change: 95th percentile of the delay after motion',
-            '<= 0.2 s, none missed or early')
+            '<= 0.2 s, none missed, early or counted again')
     found = (content or {}).get('methods', {}).get(DEFAULT)
     return [GoalRow(*seen, *_delay(found)) if found else GoalRow(*seen)]
 
@@ -196,7 +196,9 @@ def _delay(found):
             f'load at the end), {found["too_early"]} early, {found["extra"]} counted again')
     if not found['changes'] > found['missed']:
         return told, False
-    good = found['delay_p95'] <= 0.2 and not found['missed'] and not found['too_early']
+    # A change that is counted again is a false one.
+    good = found['delay_p95'] <= 0.2 and not any(
+        found[key] for key in ('missed', 'too_early', 'extra'))
     return f'{found["delay_p95"]:.2f} s (median {found["delay_median"]:.2f}), {told}', bool(good)
 
 
