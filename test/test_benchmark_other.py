@@ -13,13 +13,14 @@ from ros_helpers import ROOT
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases, change_scores, changes, cost, real, soak
-from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, functions_of,
-                                                       NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK,
-                                                       TEXTBOOK_CAREFUL)
+from hand_load_estimator.benchmark.contestants import (chosen_methods, Contestant, cost_of,
+                                                       functions_of, NOMINAL, OUR_MODEL,
+                                                       REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import (change_blocks, cost_blocks, real_blocks,
                                                        soak_blocks)
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.learning.difference_artefact import PREDICTORS
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.plant import JointEvent, TemperatureEvent
@@ -134,6 +135,24 @@ def test_the_error_on_a_recording_is_less_what_the_model_was_identified_with():
     assert content['methods']['bayes'] == {'runs': 2, 'median_percent': pytest.approx(2.0),
                                            'worst_percent': pytest.approx(3.0), 'inside': 0.5}
     assert '+3.000 (2.000)' in to_markdown(real_blocks(content))
+
+
+def test_where_nothing_is_held_ours_are_judged_as_rivals_are():
+    """What is published never weighs less than nothing: half of noise would be gone."""
+    class Noisy:
+        tared = np.zeros(10)
+
+        def belief(self):
+            return Belief(np.r_[-0.01, np.zeros(9)], 1e-4 * np.eye(10))
+
+        def update(self, sample, prediction):
+            return self.belief()
+
+    racing = {'bayes': Contestant(None, lambda _: Noisy())}
+    beliefs = {name: contestant.update(None) for name, contestant in racing.items()}
+    assert beliefs['bayes'].mean[0] >= 0.0
+    assert real.judged(racing, beliefs, 0.0)['bayes'].mean[0] == -0.01
+    assert real.judged(racing, beliefs, 2.6) is beliefs
 
 
 def test_data_that_is_not_there_is_refused(tmp_path):

@@ -79,7 +79,8 @@ def real_blocks(content):
         Heading('Measured recordings', 1),
         Text('Every set has its own model, identified from its training runs with the load those '
              'state (none for most); the error is the estimate at the end of a test run less that '
-             'mass. It should be zero. Set kr300 holds about 150 kg, known only from gravity; the '
+             'mass. It should be zero. Without load, ours are judged before what they publish is '
+             'kept above zero. Set kr300 holds about 150 kg, known only from gravity; the '
              'load of run load_2600 is known by the file name only.' + left_out_told(content)),
         Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
                'inside the 95 % interval [%]'], figures),
