@@ -199,13 +199,17 @@ def test_changes_and_soak_are_judged():
                                     'delay_p95': 0.15, 'false_alarms': 0, 'hours': 10.0,
                                     'wrong': 1, 'too_early': 0, 'extra': 0}}}
     soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,
-            'times_real_time': 12.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0}
+            'times_real_time': 12.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0,
+            'tail_drift_percent': 2.0, 'load_changes': 0}
     goal = 'soak: memory and time per message'
     found = judged({'changes': changes, 'soak': soak})
     assert found['load change: 95th percentile of the delay after motion'][1] is False
     assert found['false load changes while running from cold'] == ('0 in 10.0 h', True)
     assert found[goal][1] is True
     assert judged({'soak': {**soak, 'method': 'bayes'}})[goal][1] is None
+    assert judged({'soak': {**soak, 'load_changes': 1}})[goal] == (
+        '24.0 h at 12 x, RSS +0.3 MiB, time per message +1 %, its 99th percentile +2 %, 1 load '
+        'changes', False)
     changes['methods']['lstm'].update(missed=0, hours=5.0)
     found = judged({'changes': changes, 'soak': {**soak, 'hours': 1.0}})
     assert found['load change: 95th percentile of the delay after motion'][1] is True

@@ -274,7 +274,8 @@ def test_several_suites_share_one_table_of_goals(tmp_path, monkeypatch):
 def test_runs_of_other_calls_and_commits_are_joined(tmp_path):
     """Each row and each run tells where it comes from."""
     soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,
-            'times_real_time': 9.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0}
+            'times_real_time': 9.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0,
+            'tail_drift_percent': 1.0, 'load_changes': 0}
     for name, suite, commit, more in (('soak-24h', 'soak', 'abc', soak), ('real', 'real', 'def', {
             'figure': math.nan})):
         (tmp_path / name).mkdir()

@@ -7,6 +7,7 @@ from .contestants import REGRESSOR
 from .document import Heading, Picture, Table, Text
 from .measure import MOMENTS, RATE
 from .real import MOMENTS as REAL_MOMENTS
+from .soak import FLAT_MIB, FLAT_TIME
 
 SAMPLES = 1.0 / BLOCK   # [1/s]
 _RETRAINING_MOMENTS = MOMENTS[1:]
@@ -125,29 +126,37 @@ def _cost_row(name, cost, unit, busy='-', memory=None):
 
 def soak_blocks(content):
     """Return the blocks of the soak suite."""
+    broken_off = (f' It was broken off and gone on with: memory is compared within each of '
+                  f'{content["processes"]} processes.' if content['processes'] > 1 else '')
     return [
         Heading('Soak', 1),
         Text(f'{content["hours"]:.1f} h of joint states at 125 Hz ({content["samples"]} messages) '
              f'through the pipeline of `{content["method"]}` in {content["seconds"] / 60.0:.0f} '
              f'min: {content["times_real_time"]:.0f} times real time, '
-             f'{content["microseconds_per_message"]:.0f} us per message. Memory '
-             f'{content["growth_mib"]:+.1f} MiB from the first to the last tenth, time per '
-             f'message {content["time_drift_percent"]:+.0f} %. Load changes seen: '
-             f'{content["load_changes"]} (none happened). Mass at the end '
+             f'{content["microseconds_per_message"]:.0f} us of processor time per message '
+             f'(99th percentile {content["microseconds_p99"]:.0f}). Memory '
+             f'{content["growth_mib"]:+.1f} MiB from the first to the last tenth (flat: below '
+             f'{FLAT_MIB:g}); from the first to the last fifth time per message, '
+             f'measured by a fixed calculation beside it, '
+             f'{content["time_drift_percent"]:+.0f} %, its 99th percentile '
+             f'{content["tail_drift_percent"]:+.0f} % (flat: below {100.0 * FLAT_TIME:.0f}). '
+             f'Load changes seen: {content["load_changes"]} (none happened). Mass at the end '
              f'{content["mass"]:.3f} kg of {content["true_mass"]:g} kg. Rejected: '
-             f'{content["rejected"]}.'),
+             f'{content["rejected"]}.' + broken_off),
         Picture('soak', lambda figure: _draw_soak(figure, content['rows']),
                 'memory and time per message over the hours')]
 
 
 def _draw_soak(figure, rows):
-    hours, memory, seconds = np.array(rows).T
+    hours, memory, mean, tail, _, _ = np.array(rows).T
     top, bottom = figure.subplots(2, sharex=True)
     top.plot(hours, memory)
     top.set(ylabel='RSS [MiB]', ylim=(0.0, 1.2 * np.nanmax(memory)))
-    bottom.plot(hours, 1e6 * seconds)
+    bottom.plot(hours, 1e6 * mean, label='mean')
+    bottom.plot(hours, 1e6 * tail, label='99th percentile')
     bottom.set(ylabel='per message [us]', xlabel='replayed [h]',
-               ylim=(0.0, 1.3e6 * np.max(seconds)))
+               ylim=(0.0, 1.3e6 * np.max(tail)))
+    bottom.legend(fontsize='small')
 
 
 def retraining_blocks(content):

@@ -2,8 +2,8 @@
 
 from .effects_file import read_effects
 from .plant import Plant
-from .run import JointEvent, simulate_motion, TemperatureEvent
+from .run import follow_motion, JointEvent, simulate_motion, TemperatureEvent
 from .setpoint import TrajectoryError
 
-__all__ = ['JointEvent', 'Plant', 'TemperatureEvent', 'TrajectoryError', 'read_effects',
-           'simulate_motion']
+__all__ = ['JointEvent', 'Plant', 'TemperatureEvent', 'TrajectoryError', 'follow_motion',
+           'read_effects', 'simulate_motion']
