@@ -11,6 +11,7 @@ from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.gp_histogram import GpHistogram, LOCKED, ResidualScale
+from hand_load_estimator.estimators.gp_search import GpSwarm
 from hand_load_estimator.estimators.histogram import Histogram
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.mass_place import MassPlacePosterior
@@ -248,7 +249,8 @@ def test_the_residuals_scale_follows_what_does_not_fit():
 
 def test_e2_7_searches_find_the_peak_of_the_same_density(folder, watched):
     wanted = watched['gp_bayes'][1][-1]
-    for name in ('gp_evolution', 'gp_annealing'):
+    monkeypatch.setattr(GpSwarm, 'STEPS', 20)
+    for name in ('gp_evolution', 'gp_annealing', 'gp_swarm'):
         made = pipeline(name, folder)
         found = feed(made, stream(LOAD, 5.0, seed=7))[-1]
         assert (np.abs(found.mean - wanted.mean)[:4] < 4.0 * wanted.std[:4]).all(), name
