@@ -182,7 +182,7 @@ def test_e6_3_the_index_follows_the_data(folder):
             assert 0.0 < made.reliability['largest probability'] < 1.0
             assert 0.0 < made.reliability['entropy [nat]'] <= 4 * np.log(7) + 1e-9
             stds.append(estimate.std[0])
-            lattices.append(made.method._places.best[0] - estimate.mean[0])
+            lattices.append(made.reliability['most probable mass [kg]'] - estimate.mean[0])
     assert stds[-1] < 0.05 * stds[0]
     assert abs(lattices[-1]) < 2.0 * stds[-1]
 

@@ -81,9 +81,10 @@ class GpHistogram(BesideBayes):
 
     @property
     def reliability(self):
-        """What the histogram says of its answer (E6.3), by name."""
+        """What the histogram says of its answer (E2.3, E6.3), by name."""
         return {'entropy [nat]': self.entropy,
-                'largest probability': float(self._places.probabilities.max())}
+                'largest probability': float(self._places.probabilities.max()),
+                'most probable mass [kg]': float(self._places.best[0])}
 
     def _take(self, sample, prediction, columns):
         weights = sample.dt / prediction.density
