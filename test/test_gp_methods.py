@@ -187,6 +187,18 @@ def test_e6_3_the_index_follows_the_data(folder):
     assert abs(lattices[-1]) < 2.0 * stds[-1]
 
 
+def test_e6_4_the_learned_functions_doubt_is_told(folder):
+    """About what it usually is along a motion like those it learned from; larger on a hot arm."""
+    doubts = {}
+    for celsius in (25.0, 80.0):
+        made = warm(pipeline('gp_bayes', folder), celsius)
+        (name, before), = made.reliability.items()
+        feed(made, stream(LOAD, 2.0, seed=7))
+        doubts[celsius] = made.reliability[name]
+        assert before == 0.0
+    assert 0.3 < doubts[25.0] < 3.0 and doubts[80.0] > 1.5 * doubts[25.0]
+
+
 @pytest.fixture
 def gate(folder, monkeypatch):
     """Return ask(sigmas): does a sample so far off on every joint count, after 4 s of motion."""
@@ -247,7 +259,7 @@ def test_the_residuals_scale_follows_what_does_not_fit():
     assert ResidualScale().after(0.1, 0.02).value == 1.0
 
 
-def test_e2_7_searches_find_the_peak_of_the_same_density(folder, watched):
+def test_e2_7_searches_find_the_peak_of_the_same_density(folder, watched, monkeypatch):
     wanted = watched['gp_bayes'][1][-1]
     monkeypatch.setattr(GpSwarm, 'STEPS', 20)
     for name in ('gp_evolution', 'gp_annealing', 'gp_swarm'):

@@ -21,13 +21,19 @@ LEAST_SHARE = 0.5
 
 
 class DifferenceFunction:
-    """Mean and variance of the no-load torque difference of a DifferenceArtefact."""
+    """
+    Mean and variance of the no-load torque difference of a DifferenceArtefact.
+
+    doubt: the function's standard deviation at the last sample over the one it usually had on
+    recordings left out, of the joint with the largest (E6.4); 0 before any sample.
+    """
 
     def __init__(self, model, artefact):
         self._robot, self._artefact = model.robot, artefact
         share = np.clip(artefact.share, LEAST_SHARE, None)
         self._gained = (1.0 - share) * model.residuals.load_intensity
         self._expected = artefact.left_out_variance
+        self.doubt = 0.0
 
     def mean_and_variance(self, q, v, a, temperature):
         """Return mean [Nm] and variance [Nm^2] (n,) of tau_real - tau_mdl without load."""
@@ -39,7 +45,9 @@ class DifferenceFunction:
     def corrected(self, sample, prediction):
         """Return the Prediction with dtau for its difference and the function's doubt."""
         mean, variance = self.mean_and_variance(sample.q, sample.v, sample.a, sample.temperature)
+        usual = self._expected * self._artefact.scale ** 2
+        self.doubt = float(np.sqrt((variance / usual).max()))
         # Recordings left out have shown the error of places like theirs already.
-        surplus = np.maximum(variance - self._expected * self._artefact.scale ** 2, 0.0)
+        surplus = np.maximum(variance - usual, 0.0)
         return replace(prediction, difference=prediction.difference - mean,
                        density=prediction.density - self._gained + 2.0 * MEMORY * surplus)

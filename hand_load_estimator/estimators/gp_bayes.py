@@ -12,6 +12,11 @@ class GpBayes(Bayes):
         super().__init__(model, uncertainties)
         self._function = function
 
+    @property
+    def reliability(self):
+        """What the learned function says of the torques it was asked for (E6.4), by name."""
+        return {'doubt of the learned torque over its usual one': self._function.doubt}
+
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         return super().update(sample, self._function.corrected(sample, prediction))
