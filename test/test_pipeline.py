@@ -7,11 +7,17 @@ from core_helpers import (block, exact_model, feed, Message, messages, pipeline_
 import numpy as np
 import pytest
 
+from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import cases
+from hand_load_estimator.benchmark.contestants import our_contestants
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline, determined_std
 from hand_load_estimator.estimators.pipeline import TareError
+from hand_load_estimator.identification import identify
 from hand_load_estimator.load import LoadParameters, STATUSES
 from hand_load_estimator.model_file import write_model
+from hand_load_estimator.robot import load_robot
+from hand_load_estimator.shared_files import find_shared
 
 MASS = 3.0
 
@@ -195,6 +201,25 @@ def test_e1_7_the_mass_is_there_a_fifth_of_a_second_after_the_motion_starts(seed
     early = next(e for e in estimates if e.stamp >= start + 0.2)
     assert estimates[0].std[0] > 0.2 * rated
     assert abs(early.mean[0] - mass) < min(0.05 * rated, 3.5 * early.std[0])
+
+
+def test_e1_7_the_shipped_network_is_as_quick_on_an_arm_it_never_saw(monkeypatch):
+    """A development plant with friction, drives and sensors of its own, not the torque model."""
+    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 20.0),
+                                                  ('pick_place', 30.0, 20.0)))
+    monkeypatch.setattr(cases, 'DURATION', 6.0)
+    robot, plant = load_robot(find_shared('ur10e', 'robots')), seeds.DEVELOPMENT_PLANTS[94]
+    identified = identify(robot, cases.identification_evidence(robot, plant))
+    rated = robot.rated_load.mass
+    for seed in seeds.DEVELOPMENT_CASES[890:894]:
+        case = cases.draw_case(robot, plant, seed)
+        run = cases.case_run(robot, case)
+        (contestant,) = our_contestants(identified, ('lstm',), None).values()
+        assert contestant.method.name == 'lstm'
+        beliefs = [contestant.update(s) for s in run.samples if s.stamp < run.start + 0.22]
+        first, early = (np.sqrt(belief.covariance[0, 0]) for belief in (beliefs[0], beliefs[-1]))
+        assert first > 0.1 * rated
+        assert abs(beliefs[-1].mean[0] - case.load.mass) < min(0.05 * rated, 3.5 * early)
 
 
 def test_a_restarted_clock_goes_on(model, stream):
