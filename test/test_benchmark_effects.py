@@ -391,7 +391,7 @@ def test_a_broken_case_is_told_and_tried_again(tmp_path):
 
 
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
-    """Cases measured before are read by the workers, not measured again."""
+    """Cases measured before are read, not measured again."""
     chosen = suite_cases(ur10e())[:3]
     monkeypatch.setattr(effect_run, 'suite_cases', lambda *_: chosen)
     monkeypatch.setattr(effect_run, 'commit_now', lambda: 'abc')

@@ -71,7 +71,7 @@ def test_every_direct_network_is_shipped_small_and_calibrated(network):
 
 @pytest.fixture(scope='module')
 def light_and_heavy():
-    """Return [(load, MotionSamples)] of 0.8 and 8.8 kg, 4 s of motion of the arm that is shipped."""
+    """Return [(load, MotionSamples)] of 8.8 and 0.8 kg on the arm of the shipped model."""
     robot, out = load_robot(find_shared('ur10e', 'robots')), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cases, 'DURATION', 5.5)

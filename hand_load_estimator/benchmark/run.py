@@ -83,8 +83,8 @@ def _key(suite, robot_path, options):
     return {'suite': suite, 'robot': Path(robot_path).read_text('utf-8'),
             'artefact': _artefact(robot_path, options), 'commit': commit_now(),
             'sources': sources(), 'methods': list(chosen_methods(options.methods)),
-            'rivals': list(options.rivals), 'cases': options.cases, 'hours': options.hours, 'data': options.data,
-            'development': options.development}
+            'rivals': list(options.rivals), 'cases': options.cases, 'hours': options.hours,
+            'data': options.data, 'development': options.development}
 
 
 def _run(options, command, commit):

@@ -50,7 +50,7 @@ def add_arguments(parser):
     parser.add_argument('--development', action='store_true',
                         help='on seeds for looking and choosing, not the benchmark\'s')
     parser.add_argument('--workers', default=None, type=int, metavar='N',
-                        help='processes (default: one per core)')
+                        help='processes (default: one per core, or all that the backend has)')
     parser.add_argument('--backend', default='processes', metavar='NAME',
                         help='processes, or a backend of joblib for a cluster (default: '
                              'processes)')
