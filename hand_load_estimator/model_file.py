@@ -22,6 +22,8 @@ from .torque_model import Residuals, TorqueModel
 from .whole_file import whole_file
 
 SCHEMA = 'hand_load/torque_model/1'
+# Shapes that files from before they were there have at their defaults.
+_NEWER = frozenset({'impact'})
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 
 
@@ -268,7 +270,9 @@ def _read_shape(entry, effect):
 
 
 def _numbers(section, names, least):
-    values = {name: section.number(name, least) for name in names}
+    """Return the numbers of names; what an older file does not have yet is left out."""
+    values = {name: section.number(name, least) for name in names
+              if name not in _NEWER or section.has(name)}
     section.refuse_unknown()
     return values
 

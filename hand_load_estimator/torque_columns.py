@@ -227,7 +227,7 @@ def as_reported(uses, values, dt):
 
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     """
-    Return play(joints, travels, lags, pose_shares) of EffectInput at q (N, n).
+    Return play(joints, travels, lags, pose_shares, impacts) of EffectInput at q (N, n).
 
     gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of
     torque_columns.

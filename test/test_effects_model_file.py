@@ -1,6 +1,7 @@
 """Effects through a model file: whole-arm effects and searched shapes are the same after it."""
 
 from dataclasses import replace
+import re
 
 from core_helpers import effect_uses, four_axes
 from effect_helpers import DT, inputs, model_with
@@ -29,3 +30,14 @@ def test_the_model_file_keeps_tilt_and_ripple(tmp_path):
         4, effect_uses(model.robot)), model.mean, 0.0))
     assert np.abs(torque_columns(model.robot, model.layout, x, without.mean, np.full(60, DT))
                   @ without.mean - one).max() > 0.5
+
+
+def test_a_file_from_before_impacts_had_a_length_is_read(tmp_path):
+    model = model_with(four_axes(), ('backlash',), {'backlash': (0.9,)}, {'impact': 0.008})
+    write_model(tmp_path / 'model.yaml', model)
+    text = (tmp_path / 'model.yaml').read_text()
+    assert 'impact: 0.008' in text
+    (tmp_path / 'old.yaml').write_text(re.sub(r'\n *impact: .*', '', text))
+    old = read_model(tmp_path / 'old.yaml')
+    shapes = [use.shape for use in old.uses if use.name == 'backlash']
+    assert shapes and all(shape['impact'] == 1e-4 for shape in shapes)

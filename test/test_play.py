@@ -7,13 +7,14 @@ from hand_load_estimator.play import crossing_inertia, FILTER_DELAY, play_along,
 
 DT, INERTIA = 0.02, 4.0
 FINE = 0.004  # [s] sums over samples are integrals there
+AT_ONCE = 1e-6  # [s]
 
 
-def added(torque, travel, dt=DT, lag=0.0, inertia=INERTIA):
+def added(torque, travel, dt=DT, lag=0.0, inertia=INERTIA, impact=AT_ONCE):
     """Return the torque (N,) [Nm] that play adds along torque (N,) [Nm]."""
     column, steps = np.asarray(torque, dtype=float)[:, None], np.full(len(torque), dt)
     return play_along(column, np.full_like(column, inertia), [inertia], steps)(
-        0, travel, lag, 1.0)
+        0, travel, lag, 1.0, impact)
 
 
 def test_a_gear_loaded_to_one_side_shows_no_play():
@@ -59,12 +60,36 @@ def test_teeth_that_lag_part_late():
     np.testing.assert_allclose(late[5:], prompt[:-5], atol=0.02 * prompt.max())
 
 
+def test_an_impact_takes_its_time():
+    """The same momentum, later in the mean by the time that the teeth need to take it."""
+    torque, t = 30.0 * np.clip(np.arange(-1.0, 2.0, FINE), -0.5, 0.5), np.arange(-1.0, 2.0, FINE)
+    hard, soft = (added(torque, 0.01, FINE, impact=impact) for impact in (AT_ONCE, 0.03))
+    assert soft.max() < 0.7 * hard.max()
+    assert soft.sum() == pytest.approx(hard.sum(), abs=0.01 * np.abs(hard).sum())
+    # Under 30 Nm/s the gap is crossed in (6 x inertia x travel / 30)^(1/3) s.
+    struck = 0.5 * 30.0 * (6.0 * INERTIA * 0.01 / 30.0) ** (2.0 / 3.0)
+    assert t @ (soft - hard) * FINE == pytest.approx(0.03 * struck, rel=0.05)
+
+
+@pytest.mark.parametrize('lag', [0.01, 0.02, 0.04])
+def test_the_teeth_part_when_their_own_torque_turns(lag):
+    """... also where it does so on a curve: all of the filter comes off, and the lag on."""
+    dt, stage, curve = 1e-4, FILTER_DELAY / 3.0, 6000.0
+    t = np.arange(-0.2, 0.2, dt)
+    of = {late: 0.5 * curve * t ** 2 - 12.0 - late * curve * t for late in (lag, FILTER_DELAY)}
+    shown = of[FILTER_DELAY] + 6.0 * stage ** 2 * curve
+    parts = np.flatnonzero(of[lag] + lag ** 2 * curve < 0.0)[0]
+    felt = added(shown, 10.0, dt, lag)
+    assert np.flatnonzero(felt)[0] == pytest.approx(parts, abs=10)
+
+
 def test_play_is_followed_sample_by_sample():
     """... and gaps that a joint might have beside one another are each what they are alone."""
     rng = np.random.default_rng(0)
     torque, dt = np.cumsum(rng.normal(size=(200, 2)), axis=0), rng.uniform(0.01, 0.03, 200)
     inertia, usual = rng.uniform(1.0, 2.0, (200, 2)), [1.4, 1.6]
-    joints, gaps = np.array([1, 0, 1]), ([0.01, 0.02, 0.03], [0.0, 0.01, 0.02], [1.0, 0.5, 0.1])
+    joints = np.array([1, 0, 1])
+    gaps = ([0.01, 0.02, 0.03], [0.0, 0.01, 0.02], [1.0, 0.5, 0.1], [1e-6, 0.005, 0.02])
     gaps = [np.array(values) for values in gaps]
     whole = play_along(torque, inertia, usual, dt)(joints, *gaps)
     states = [PlayState(), PlayState()]

@@ -137,7 +137,7 @@ def play(run):
     """Every gear with a gap of 4 mrad."""
     gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
     return play_columns(run.robot, run.x.q, gear, run.motion.dt)(
-        np.arange(4), np.full(4, 0.004), np.full(4, 0.01), np.ones(4))
+        np.arange(4), np.full(4, 0.004), np.full(4, 0.012), np.ones(4), np.full(4, 0.009))
 
 
 def leaning(run):
@@ -304,8 +304,8 @@ def test_every_shape_that_is_tried_counts_as_a_trial(hidden, more):
 def test_play_is_found_with_its_gap():
     diagnosis, _ = diagnosed(on(1, 2.0, play))
     found = assert_only(diagnosis, 'backlash', [1])
-    # A shorter gap with more lag ends at the same moment: the torque is told, the gap roughly.
-    assert found.parameters['travel'][0] == pytest.approx(0.004, rel=0.5)
+    assert found.parameters['travel'][0] == pytest.approx(0.004, rel=0.15)
+    assert found.parameters['impact'][0] == pytest.approx(0.009, rel=0.3)
     assert_repaired(diagnosis, 1)
 
 

@@ -20,8 +20,9 @@ class EffectInput:
     torque of the drive; rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]:
     torque of turning gravity about Robot.tilt_axes; late(delays): torque of the drive so many
     seconds ago less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag,
-    pose_share): what a gap [rad] in the gear of joint j does to the torque of its drive (play.py),
-    (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s] and shares [-].
+    pose_share, impact): what a gap [rad] in the gear of joint j does to the torque of its drive
+    (play.py), (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and
+    impacts [s].
     """
 
     q: np.ndarray
