@@ -196,6 +196,7 @@ def reshaped(hypothesis, factors, model, residual):
                 EFFECTS[hypothesis.name], residual.x, joints, shape).items()})
             for shape in shapes]
     if hypothesis.name == 'presliding_hysteresis':
+        residual.follow_friction([shape['presliding_distance'] for shape in shapes])
         columns = [(residual.friction_state(shape['presliding_distance'])[:, j]
                     - residual.x.z[:, j])[:, None] for shape in shapes]
     else:

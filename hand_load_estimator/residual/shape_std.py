@@ -27,26 +27,38 @@ def shape_std(hypothesis, blocks, model, residual):
         return np.array([blocks.evaluate(trial.columns).by_block for trial in reshaped(
             hypothesis, [tuple(factors) for factors in np.exp(steps)], model, residual)])
     here = gains(np.zeros((1, len(names)))).sum()
-    found = [_step(gains, here, axis) for axis in np.eye(len(names))]
-    widths = np.array([width for width, _, _ in found])
-    cost = np.diag([2.0 * fall for _, fall, _ in found])
-    for i, j in combinations(range(len(names)), 2):
-        signs = np.zeros((4, len(names)))
-        signs[:, [i, j]] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)]
-        cost[i, j] = cost[j, i] = -gains(signs * widths).sum(axis=1) @ [1.0, 1.0, -1.0, -1.0] / 4.0
-    std = _std(cost, np.array([slope for _, _, slope in found]))
+    widths, falls, slopes = _steps(gains, here, len(names))
+    cost = np.diag(2.0 * falls)
+    pairs = list(combinations(range(len(names)), 2))
+    signs = np.zeros((len(pairs), 4, len(names)))
+    for k, (i, j) in enumerate(pairs):
+        signs[k][:, [i, j]] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)]
+    if pairs:
+        # At once: gaps followed beside one another cost little more than one of them.
+        mixed = gains((signs * widths).reshape(-1, len(names))).sum(axis=1).reshape(-1, 4)
+        for (i, j), bend in zip(pairs, -mixed @ [1.0, 1.0, -1.0, -1.0] / 4.0):
+            cost[i, j] = cost[j, i] = bend
+    std = _std(cost, slopes)
     return {name: abs(hypothesis.shape[name]) * part for name, part in zip(names, widths * std)}
 
 
-def _step(gains, here, axis):
-    """Return width of a step along an axis, nats it costs on average, slope by block (B,)."""
-    width = FIRST
+def _steps(gains, here, size):
+    """Return widths (k,) of a step along each axis, nats (k,) it costs, slopes (k, B) by block."""
+    widths, falls, slopes = np.full(size, FIRST), np.zeros(size), [None] * size
+    left = list(range(size))
     for turn in range(TURNS):
-        up, down = gains(width * np.stack([axis, -axis]))
-        fall = here - 0.5 * (up + down).sum()
-        if NEAR < fall < FAR or fall < NEAR and width == WIDEST or turn == TURNS - 1:
-            return width, fall, 0.5 * (up - down)
-        width = min(width * np.clip(np.sqrt(GOOD / max(fall, 1e-9)), *FACTORS), WIDEST)
+        axes = np.eye(size)[left] * widths[left, None]
+        up, down = np.split(gains(np.concatenate([axes, -axes])), 2)
+        for k, above, below in zip(tuple(left), up, down):
+            falls[k], slopes[k] = here - 0.5 * (above + below).sum(), 0.5 * (above - below)
+            if NEAR < falls[k] < FAR or falls[k] < NEAR and widths[k] == WIDEST:
+                left.remove(k)
+            elif turn < TURNS - 1:
+                change = np.clip(np.sqrt(GOOD / max(falls[k], 1e-9)), *FACTORS)
+                widths[k] = min(widths[k] * change, WIDEST)
+        if not left:
+            break
+    return widths, falls, np.array(slopes)
 
 
 def _std(cost, slopes):

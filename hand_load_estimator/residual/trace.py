@@ -14,6 +14,7 @@ import numpy as np
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
 from .hypotheses import hypotheses, ONE_CAUSE, physical, price, refinable, reshaped
+from .shape_fit import settled
 
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
@@ -222,7 +223,7 @@ class Trace:
         best, count = (hypothesis, score), 0
         if score.gain < LEAST_GAIN or not refinable(hypothesis):
             return best, count
-        for step in (1.25, 1.12, 1.06):
+        for step in (1.25, 1.12):
             # Parameters that make up for one another are found together only.
             factors = [those for those in product((1.0 / step, 1.0, step),
                                                   repeat=len(hypothesis.shape))
@@ -231,7 +232,8 @@ class Trace:
                      reshaped(best[0], factors, self._model, self._residual)]
             best = max([best, *tried], key=lambda pair: _rank(*pair))
             count += len(tried)
-        return best, count
+        best, more = settled(*best, self.blocks, self._model, self._residual, _rank)
+        return best, count + more
 
     def _take(self, chosen):
         for hypothesis, _ in chosen.parts:

@@ -1,0 +1,56 @@
+"""Shapes settle where they fit best, from beside it, and those that go together go together."""
+
+import numpy as np
+import pytest
+from test_residual_trace import declared_model, Hidden, noise_of, on, play, recorded
+
+from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.shape_fit import settled
+
+
+def late(run: Hidden):
+    """Effort of 33 ms ago."""
+    time = run.motion.stamp
+    return np.stack([np.interp(time - 0.033, time, torque) for torque in run.torque.T],
+                    axis=1) - run.torque
+
+
+def settle(hidden, name, shape, joint):
+    """Return shape and gain [nats] of an effect before and after it settled from a shape."""
+    model, effect = declared_model(), EFFECTS[name]
+    residual = find_residual(model, recorded(hidden))
+    scale = effect.std(model.robot.limits.torque[joint])
+    start = Hypothesis(name, joint, {
+        joint: effect.columns(residual.x, joint, shape) * scale}, scale, shape)
+    blocks = residual.blocks()
+    score = blocks.evaluate(start.columns)
+    (found, better), trials = settled(start, score, blocks, model, residual,
+                                      lambda _, of: of.gain)
+    assert trials > 0 and all(type(value) is float for value in found.shape.values())
+    return found.shape, score.gain, better.gain
+
+
+@pytest.mark.parametrize('start', [0.025, 0.042])
+def test_a_delay_settles_between_the_grids_values(start):
+    shape, before, after = settle(on(1, 5.0, late), 'time_delay', {'shift': start}, 1)
+    assert shape['shift'] == pytest.approx(0.033, rel=0.04)
+    assert after > before + 10.0
+
+
+def test_shapes_that_make_up_for_one_another_settle_together():
+    """A longer gap with less lag is across at the same moment."""
+    start = {'travel': 0.0046, 'lag': 0.009, 'pose_share': 1.0, 'impact': 0.007}
+    shape, before, after = settle(on(1, 3.0, play), 'backlash', start, 1)
+    _, truth, _ = settle(on(1, 3.0, play), 'backlash', {
+        'travel': 0.004, 'lag': 0.012, 'pose_share': 1.0, 'impact': 0.009}, 1)
+    assert shape['travel'] == pytest.approx(0.004, rel=0.08)
+    assert shape['impact'] == pytest.approx(0.009, rel=0.1)
+    assert after - before > 0.8 * (truth - before) > 100.0
+
+
+def test_where_nothing_is_to_be_gained_the_shape_stays_or_gains():
+    shape, before, after = settle(on(1, 5.0, late), 'time_delay', {'shift': 0.033}, 1)
+    assert after >= before and noise_of(declared_model().robot).all()
+    assert shape['shift'] == pytest.approx(0.033, rel=0.03)
