@@ -14,7 +14,8 @@ from hand_load_estimator.residual.candidate import Candidate, significant, stand
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import hypotheses, Hypothesis
+from hand_load_estimator.residual.hypotheses import (hypotheses, Hypothesis,
+                                                        turned as turned_exactly)
 from hand_load_estimator.residual.trace import Trace
 from hand_load_estimator.torque_columns import (ColumnLayout, motion_input, presliding_distances,
                                                 play_columns, torque_columns)
@@ -140,9 +141,9 @@ def play(run):
         np.arange(4), np.full(4, 0.004), np.full(4, 0.012), np.ones(4), np.full(4, 0.009))
 
 
-def leaning(run):
-    """Gravity turned by 20 mrad about x and -30 mrad about y, exactly."""
-    tilted = four_axes(gravity=(turned(0.02, -0.03) @ [0.0, 0.0, -9.81]).tolist())
+def leaning(run, x=0.02, y=-0.03):
+    """Gravity turned by small angles [rad] about x and y, exactly."""
+    tilted = four_axes(gravity=(turned(x, y) @ [0.0, 0.0, -9.81]).tolist())
     zero = np.zeros(4)
     return np.array([tilted.rigid_torque(q, zero, zero) - run.robot.rigid_torque(q, zero, zero)
                      for q in run.x.q])
@@ -329,6 +330,25 @@ def test_a_leaning_base_is_one_finding():
         mean, std, unit = found.parameters[name]
         assert abs(mean - truth) < 4.0 * std + 5e-4 and std < 5e-3 and unit == 'rad'
     assert_repaired(diagnosis, 1)
+
+
+def test_a_base_that_leans_far_is_taken_exactly():
+    """To first order only, what is left of such a turn looks like a heavier link."""
+    def far(run):
+        return leaning(run, 0.12, -0.1)
+    model, evidence = declared_model(), recorded(far)
+    residual = find_residual(model, evidence)
+    blocks = residual.blocks()
+    first = next(h for h in hypotheses(model, residual, blocks, ()) if h.name == 'base_tilt')
+    score = blocks.evaluate(first.columns)
+    exact = turned_exactly(first, score, model, residual)
+    better = blocks.evaluate(exact.columns)
+    truth = np.concatenate([far(Hidden(model.robot, x, motion, torque))
+                            for x, motion, torque in clean_runs(SECONDS)])
+    left = [np.linalg.norm(truth[:, 1] - h.columns[1] @ s.theta)
+            for h, s in ((first, score), (exact, better))]
+    assert left[1] < 0.3 * left[0] and better.gain > score.gain
+    assert better.theta * exact.scale == pytest.approx([0.12, -0.1], abs=2e-3)
 
 
 # Two, and none of the known.

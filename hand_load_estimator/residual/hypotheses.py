@@ -218,6 +218,22 @@ def _tilt(model, residual):
                                        for j in range(model.robot.n)}, scale)
 
 
+def turned(hypothesis, score, model, residual):
+    """
+    Return base_tilt's Hypothesis with columns that are exact for the turn that its Score fitted.
+
+    To first order only, a base that leans far leaves a torque which looks like other links.
+    """
+    links, before = model.mean[:10 * model.robot.n], model.layout.tilt(model.mean)
+    turn = hypothesis.scale * score.theta
+    now = np.array([model.robot.tilt_regressor(row, links, before + turn)
+                    for row in residual.x.q])
+    # What the columns times both turns change, less what the model has of it already.
+    columns = now + ((now - residual.x.tilt) @ before)[..., None] * turn / (turn @ turn)
+    return replace(hypothesis, columns={j: columns[:, j] * hypothesis.scale
+                                        for j in hypothesis.columns})
+
+
 def functions(residual, torque, j):
     """Yield hypotheses `unknown`: any smooth function of one variable."""
     for variable, name in VARIABLES.items():

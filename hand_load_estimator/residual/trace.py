@@ -13,7 +13,7 @@ import numpy as np
 
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, ONE_CAUSE, physical, price, refinable, reshaped
+from .hypotheses import hypotheses, ONE_CAUSE, physical, price, refinable, reshaped, turned
 from .shape_fit import settled
 
 ROUNDS = 10
@@ -221,6 +221,10 @@ class Trace:
     def _refined(self, hypothesis, score):
         """Return the pair with its shape searched between the grid's values, number of trials."""
         best, count = (hypothesis, score), 0
+        if score.gain >= LEAST_GAIN and hypothesis.name == 'base_tilt':
+            exact = turned(*best, self._model, self._residual)
+            return max([best, (exact, self.blocks.evaluate(exact.columns))],
+                       key=lambda pair: pair[1].gain), 1
         if score.gain < LEAST_GAIN or not refinable(hypothesis):
             return best, count
         for step in (1.25, 1.12):
