@@ -264,15 +264,14 @@ def _read_shape(entry, effect):
     optional = not np.isfinite(list(effect.default_shape().values())).any()
     if optional and not entry.has('shape'):
         return {}, {}
-    names = [s.name for s in effect.shapes]
-    return (_numbers(entry.section('shape'), names, 1e-9),
-            _numbers(entry.section('shape_std'), names, 0.0) if entry.has('shape_std') else {})
+    return (_numbers(entry.section('shape'), effect, 1e-9),
+            _numbers(entry.section('shape_std'), effect, 0.0) if entry.has('shape_std') else {})
 
 
-def _numbers(section, names, least):
-    """Return the numbers of names; what an older file does not have yet is left out."""
-    values = {name: section.number(name, least) for name in names
-              if name not in _NEWER or section.has(name)}
+def _numbers(section, effect, least):
+    """Return the numbers of an effect's shapes; those that need not be there may be missing."""
+    values = {s.name: section.number(s.name, least) for s in effect.shapes
+              if (np.isfinite(s.default) and s.name not in _NEWER) or section.has(s.name)}
     section.refuse_unknown()
     return values
 

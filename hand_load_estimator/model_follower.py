@@ -49,7 +49,8 @@ class ModelFollower:
 
     def __init__(self, model, directions=12, seed=0, measured=True):
         self.model = model
-        self._path = PreslidingState(model.presliding_distance())
+        self._path = PreslidingState(model.presliding_distance(),
+                                     model.presliding_power())
         self._friction = model.friction_level()
         self._gear_friction = np.zeros(model.robot.n)
         for use, where in model.slices():

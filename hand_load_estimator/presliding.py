@@ -3,7 +3,9 @@ Presliding: what friction does before a joint has really moved.
 
 A joint that reverses does not flip its friction at once: the contacts bend first, and over a
 milliradian or two of travel friction goes from one Coulomb level to the other. Dahl's model
-(1968) of that, dz/dq = (1 - z sign(dq)) / s, has a closed form along a motion of one direction.
+(1968) of that, dz/dq = (1 - z sign(dq))^i / s, has a closed form along a motion of one direction.
+With i = 1 the level is approached for ever; with a smaller exponent, as measured curves ask for
+(Dahl 1976; Al-Bender et al. 2005), it is reached, along a power 1 / (1 - i) of the travel left.
 The state z in [-1, 1] is a function of the path alone, except for the value it started from.
 """
 
@@ -32,17 +34,36 @@ REST_GROWTH = 0.6
 LARGEST_DOUBT = 100.0
 
 
+def turned(z, moved, distance, power):
+    """
+    Return the state that z becomes after a way `moved` [rad] of one direction.
+
+    distance: travel s [rad]; power: 1 / (1 - i) of Dahl's exponent i, infinite for i = 1 and at
+    least 1, where friction rises like a spring up to its level. All of shapes that fit.
+    """
+    direction, way = np.sign(moved), np.abs(moved) / distance
+    left = np.maximum(1.0 - direction * z, 0.0)
+    finite = np.isfinite(power)
+    some = np.where(finite, power, 1.0)
+    root = np.maximum(left ** (1.0 / some) - way / some, 0.0)
+    left = np.where(finite, root ** some, left * np.exp(-way))
+    return np.where(way > 0.0, direction * (1.0 - left), z)
+
+
 class PreslidingState:
     """
     Follow z and the doubt about it for joints (or columns) of any number.
 
-    distance (k,): travel s [rad] over which friction turns. z (k,) in [-1, 1]; doubt (k,):
+    distance (k,): travel s [rad] over which friction turns; power (k,) or None: as of `turned`,
+    infinite without any. z (k,) in [-1, 1]; doubt (k,):
     standard deviation of z, 1 when the path is forgotten. At rest it grows on, because the same
     unknown friction for a minute tells no more than for a second.
     """
 
-    def __init__(self, distance):
+    def __init__(self, distance, power=None):
         self._distance = np.asarray(distance, dtype=float)
+        finite = power is not None and np.isfinite(power).any()
+        self._power = np.asarray(power, dtype=float) if finite else None
         self.restart()
 
     def restart(self):
@@ -58,8 +79,12 @@ class PreslidingState:
         moved = q - self._anchor
         counts = np.abs(moved) > DEAD_BAND
         decay = np.where(counts, np.exp(-np.abs(moved) / self._distance), 1.0)
-        direction = np.sign(moved)
-        self.z = np.where(counts, direction + (self.z - direction) * decay, self.z)
+        if self._power is None:
+            direction = np.sign(moved)
+            z = direction + (self.z - direction) * decay
+        else:
+            z = turned(self.z, moved, self._distance, self._power)
+        self.z = np.where(counts, z, self.z)
         self._anchor = np.where(counts, q, self._anchor)
         moves = (np.abs(v) >= REST_SPEED) & (np.abs(q - self._rests_at) > MOVED)
         self._rests_at = np.where(moves, q, self._rests_at)
@@ -74,9 +99,9 @@ def doubt_after(rest):
     return np.minimum(np.hypot(1.0, (rest - REST_TIME) / REST_GROWTH), LARGEST_DOUBT)
 
 
-def presliding_path(q, v, dt, distance):
+def presliding_path(q, v, dt, distance, power=None):
     """Return z and doubt (N, n) along q, v (N, n) sampled dt (N,) apart."""
-    state = PreslidingState(distance)
+    state = PreslidingState(distance, power)
     pairs = [state.update(*row) for row in zip(q, v, dt)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 

@@ -8,7 +8,7 @@ from .evidence import recording_numbers
 from .load_agreement import LeftOut
 from .presliding import stuck_density
 from .torque_columns import (as_reported, ColumnLayout, effect_columns, motion_input,
-                             presliding_distances, torque_columns)
+                             presliding_distances, presliding_powers, torque_columns)
 
 
 class System:
@@ -19,9 +19,10 @@ class System:
     """
 
     def __init__(self, robot, uses, evidence, mean):
-        self.robot, distance = robot, presliding_distances(robot.n, uses)
+        self.robot = robot
+        distance, power = presliding_distances(robot.n, uses), presliding_powers(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
-        inputs = [motion_input(robot, e.motion, distance) for e in evidence]
+        inputs = [motion_input(robot, e.motion, distance, power) for e in evidence]
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.held)

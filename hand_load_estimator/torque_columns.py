@@ -76,6 +76,15 @@ def presliding_distances(n, uses):
     return distance
 
 
+def presliding_powers(n, uses):
+    """Return the power (n,) [-] of the way in which each joint's friction turns."""
+    power = np.full(n, np.inf)
+    for use in uses:
+        if use.name == 'presliding_hysteresis':
+            power[use.joint] = use.shape['power']
+    return power
+
+
 def effect_columns(x, use):
     """Return the columns (N, k) of one effect on its joint."""
     return use.effect.columns(x, use.joint, use.shape)
@@ -249,9 +258,13 @@ def tilt_columns(robot, layout, q, mean):
     return np.array([robot.tilt_regressor(row, links, angles) for row in q])
 
 
-def motion_input(robot, motion, distance):
-    """Return (EffectInput, doubt (N, n)) along a Motion."""
-    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance)
+def motion_input(robot, motion, distance, power=None):
+    """
+    Return (EffectInput, doubt (N, n)) along a Motion.
+
+    distance (n,) [rad], power (n,): of presliding.PreslidingState.
+    """
+    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
     warmth = warmth_of(robot, motion.temperature)
     return EffectInput(motion.q, motion.v, motion.a, warmth, z), doubt
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from .effects import EffectInput
 from .robot import Robot
-from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, torque_columns,
-                             warmth_of)
+from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
+                             torque_columns, warmth_of)
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3
@@ -82,6 +82,10 @@ class TorqueModel:
     def presliding_distance(self):
         """Return the travel (n,) [rad] over which each joint's friction turns."""
         return presliding_distances(self.robot.n, self.uses)
+
+    def presliding_power(self):
+        """Return the power (n,) [-] of the way in which each joint's friction turns."""
+        return presliding_powers(self.robot.n, self.uses)
 
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""

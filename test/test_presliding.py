@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.presliding import (presliding_path, PreslidingState, REST_TIME,
-                                            stuck_density)
+                                            stuck_density, turned)
 
 S = 1e-3
 
@@ -27,6 +27,35 @@ def test_a_reversal_follows_dahls_closed_form():
     there, back = np.linspace(0.0, 20 * S, 100), 20 * S - np.linspace(0.0, 3 * S, 31)
     z, _ = path(np.concatenate([there, back]))
     np.testing.assert_allclose(z[100:], -1.0 + 2.0 * np.exp(-(20 * S - back) / S), atol=1e-6)
+
+
+@pytest.mark.parametrize('power', [1.0, 2.0, 3.5])
+def test_a_power_is_dahls_equation_with_an_exponent(power):
+    """Small steps of dz/dq = (1 - z)^i / s from one level towards the other."""
+    step, z, exponent = S / 4000, -1.0, 1.0 - 1.0 / power
+    for k in range(1, 6000):
+        z += step / S * (1.0 - z) ** exponent if z < 1.0 else 0.0
+        if k % 500 == 0:
+            assert turned(-1.0, k * step, S, power) == pytest.approx(z, abs=2e-3)
+
+
+def test_a_power_reaches_the_level_and_many_are_dahls_exponential():
+    assert turned(0.0, 2.0 * S, S, 2.0) == 1.0 and turned(0.0, -2.0 * S, S, 2.0) == -1.0
+    ways = np.linspace(0.0, 5 * S, 20)
+    np.testing.assert_allclose(turned(-1.0, ways, S, 1e6), turned(-1.0, ways, S, np.inf),
+                               atol=1e-4)
+    assert turned(0.3, 0.0, S, 2.0) == 0.3
+
+
+def test_joints_with_and_without_a_power_are_followed_together():
+    rng = np.random.default_rng(3)
+    q = np.cumsum(rng.normal(0.0, 4e-4, (200, 1)), axis=0)
+    rows = np.repeat(q, 2, axis=1), np.full((200, 2), 0.1), np.full(200, 0.01)
+    both, doubt = presliding_path(*rows, np.array([S, S]), np.array([np.inf, 2.0]))
+    plain, same = presliding_path(*rows, np.array([S, S]))
+    np.testing.assert_allclose(both[:, 0], plain[:, 0], atol=1e-12)
+    np.testing.assert_array_equal(doubt, same)
+    assert np.abs(both[:, 1] - plain[:, 1]).max() > 0.05
 
 
 def test_the_path_counts_and_not_its_sampling():

@@ -1,5 +1,7 @@
 """Friction before a joint has really moved."""
 
+import numpy as np
+
 from .effect import Effect, Shape
 
 
@@ -8,7 +10,10 @@ def _columns(x, j, _):
 
 
 PRESLIDING_HYSTERESIS = Effect(
-    'presliding_hysteresis', 'friction turns over a short travel after a reversal', 'Dahl 1968',
+    'presliding_hysteresis', 'friction turns over a short travel after a reversal',
+    'Dahl 1968; Al-Bender et al. 2005',
     (('level', 'Nm'),), (0.1,), _columns,
-    (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3)),),
+    (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3)),
+     # Of the way it turns (presliding.turned); only a residual tells it.
+     Shape('power', '-', np.inf, (np.inf,), 25.0)),
     against='travel since reversal', default=True, positive=(0,))

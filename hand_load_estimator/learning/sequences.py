@@ -148,7 +148,7 @@ def _seen(rng, model, actual, motions):
         *motion, filtered = _through_filter(q[rows], v[rows], torque[rows])
         parts.append((*motion, *presliding_path(
             motion[0], motion[1], np.full(len(filtered), EVERY / RATE),
-            model.presliding_distance()), filtered))
+            model.presliding_distance(), model.presliding_power()), filtered))
     return tuple(np.concatenate(part) for part in zip(*parts))
 
 

@@ -56,23 +56,22 @@ class Residual:
     noise: np.ndarray
     _paths: dict = field(default_factory=dict)
 
-    def friction_state(self, distance):
-        """Return z (N, n) for a presliding travel [rad] of all joints."""
-        self.follow_friction((distance,))
-        return self._paths[distance]
+    def friction_state(self, distance, power):
+        """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
+        self.follow_friction(((distance, power),))
+        return self._paths[distance, power]
 
-    def follow_friction(self, distances):
-        """Follow the friction state for presliding travels [rad] at once, unless it is known."""
-        distances = [distance for distance in distances if distance not in self._paths]
-        n, count = self.residual.shape[1], len(distances)
+    def follow_friction(self, ways):
+        """Follow the friction state for (travel [rad], power) pairs at once, unless it is known."""
+        ways = [way for way in ways if way not in self._paths]
+        n, count = self.residual.shape[1], len(ways)
         if not count:
             return
         parts = [presliding_path(np.tile(self.x.q[rows], count), np.tile(self.x.v[rows], count),
-                                 self.dt[rows], np.repeat(distances, n))[0]
+                                 self.dt[rows], *np.repeat(ways, n, axis=0).T)[0]
                  for rows in (np.flatnonzero(self.owner == k) for k in np.unique(self.owner))]
         states = np.concatenate(parts)
-        self._paths.update({distance: states[:, n * k:n * k + n]
-                            for k, distance in enumerate(distances)})
+        self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
 
     def blocks(self, root=None):
         """
@@ -131,7 +130,8 @@ def _expected(model, columns, x):
 def _of_recording(model, evidence, compared):
     """Return the row-wise fields of a Residual for one recording, to compare hypotheses or not."""
     robot, motion = model.robot, evidence.motion
-    x, doubt = motion_input(robot, motion, model.presliding_distance())
+    x, doubt = motion_input(robot, motion, model.presliding_distance(),
+                            model.presliding_power())
     columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.held)
     if compared:
         x = _complete(model, x, columns, motion.dt, evidence.held)

@@ -14,6 +14,8 @@ from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
+# And its curve reach the level sooner than Dahl's, which never does (presliding.turned).
+PRESLIDING_POWERS, LEAST_POWER = (np.inf, 2.0), 1.0
 # A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
 WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
@@ -55,7 +57,7 @@ def hypotheses(model, residual, blocks, warmed, done=()):
 
     warmed: indices of joints whose temperature has changed enough to tell its effects.
     """
-    residual.follow_friction(PRESLIDING_DISTANCES)
+    residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
     for j in range(n):
         for name, effect in EFFECTS.items():
@@ -158,19 +160,28 @@ def _columns(model, effect, x, j, shapes):
 
 def _presliding(model, residual, j, scale):
     """Yield hypotheses of another travel: the change of the friction state times a level."""
-    now = model.presliding_distance()[j]
-    for distance in PRESLIDING_DISTANCES:
-        if abs(np.log(distance / now)) < 0.3:
+    now, bent = model.presliding_distance()[j], model.presliding_power()[j]
+    for power, distance in product(PRESLIDING_POWERS, PRESLIDING_DISTANCES):
+        if abs(np.log(distance / now)) < 0.3 and power == bent:
             continue
-        column = (residual.friction_state(distance)[:, j] - residual.x.z[:, j])[:, None]
-        yield Hypothesis('presliding_hysteresis', j, {j: column * scale}, scale,
-                         {'presliding_distance': distance})
+        yield Hypothesis('presliding_hysteresis', j,
+                         {j: _turning(residual, j, distance, power) * scale}, scale,
+                         {'presliding_distance': distance, 'power': power})
+
+
+def _turning(residual, j, distance, power):
+    """Return the column (N, 1): change of joint j's friction state by another way of turning."""
+    return (residual.friction_state(distance, power)[:, j] - residual.x.z[:, j])[:, None]
 
 
 def refinable(hypothesis):
     """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
-    return bool(hypothesis.shape) and 'periods' not in hypothesis.shape \
-        and bool(np.isfinite(list(hypothesis.shape.values())).all())
+    return 'periods' not in hypothesis.shape and bool(searched(hypothesis))
+
+
+def searched(hypothesis):
+    """Return the nonlinear parameters {name: value} that are there; infinite ones are not."""
+    return {name: value for name, value in hypothesis.shape.items() if np.isfinite(value)}
 
 
 def price(hypothesis, other):
@@ -184,11 +195,13 @@ def reshaped(hypothesis, factors, model, residual):
     """
     Return Hypotheses with each of the nonlinear parameters multiplied by a factor.
 
-    factors: for each of them a tuple of as many as there are nonlinear parameters.
+    factors: for each of them a tuple of as many as `searched` returns.
     """
     j = hypothesis.joint
-    shapes = [{name: value * factor for (name, value), factor
-               in zip(hypothesis.shape.items(), those)} for those in factors]
+    there = searched(hypothesis).items()
+    shapes = [{**hypothesis.shape, **{
+        name: max(value * factor, LEAST_POWER) if name == 'power' else value * factor
+        for (name, value), factor in zip(there, those)}} for those in factors]
     if j is None:
         joints = list(hypothesis.columns)
         return [replace(hypothesis, shape=shape, columns={
@@ -196,9 +209,9 @@ def reshaped(hypothesis, factors, model, residual):
                 EFFECTS[hypothesis.name], residual.x, joints, shape).items()})
             for shape in shapes]
     if hypothesis.name == 'presliding_hysteresis':
-        residual.follow_friction([shape['presliding_distance'] for shape in shapes])
-        columns = [(residual.friction_state(shape['presliding_distance'])[:, j]
-                    - residual.x.z[:, j])[:, None] for shape in shapes]
+        ways = [(shape['presliding_distance'], shape['power']) for shape in shapes]
+        residual.follow_friction(dict.fromkeys(ways))
+        columns = [_turning(residual, j, *way) for way in ways]
     else:
         columns = _columns(model, EFFECTS[hypothesis.name], residual.x, j, shapes)
     return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)

@@ -8,7 +8,7 @@ of them, and its own parameters beside them, are off at once.
 
 import numpy as np
 
-from .hypotheses import reshaped
+from .hypotheses import reshaped, searched
 
 TURNS = 8
 # [-] in the logarithm, of the differences that tell what a shape does: far from the best a narrow
@@ -40,7 +40,7 @@ def settled(hypothesis, score, blocks, model, residual, rank):
 
 def _steps(hypothesis, score, blocks, model, residual):
     """Return how far (k,) the logarithms of the shapes are off, as each of HALF_WIDTHS tells."""
-    size = len(hypothesis.shape)
+    size = len(searched(hypothesis))
     widths = np.concatenate([width * np.eye(size) for width in HALF_WIDTHS])
     factors = [tuple(row) for row in np.exp(np.concatenate([widths, -widths]))]
     moved = reshaped(hypothesis, factors, model, residual)

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .hypotheses import reshaped
+from .hypotheses import reshaped, searched
 
 # A step in the logarithm of a shape is to cost NEAR to FAR nats, best GOOD of them: few enough
 # for a parabola, many enough to be no accident. It begins with FIRST, is changed by no more than
@@ -21,7 +21,7 @@ def shape_std(hypothesis, blocks, model, residual):
     blocks: Blocks with everything else that was found; the effect's own parameters are fitted
     again for every trial. NaN where the gain has no curvature of a maximum.
     """
-    names = list(hypothesis.shape)
+    names = list(searched(hypothesis))
 
     def gains(steps):
         return np.array([blocks.evaluate(trial.columns).by_block for trial in reshaped(

@@ -13,7 +13,8 @@ import numpy as np
 
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, ONE_CAUSE, physical, price, refinable, reshaped, turned
+from .hypotheses import (hypotheses, ONE_CAUSE, physical, price, refinable, reshaped, searched,
+                         turned)
 from .shape_fit import settled
 
 ROUNDS = 10
@@ -230,7 +231,7 @@ class Trace:
         for step in (1.25, 1.12):
             # Parameters that make up for one another are found together only.
             factors = [those for those in product((1.0 / step, 1.0, step),
-                                                  repeat=len(hypothesis.shape))
+                                                  repeat=len(searched(hypothesis)))
                        if set(those) != {1.0}]
             tried = [(trial, self.blocks.evaluate(trial.columns)) for trial in
                      reshaped(best[0], factors, self._model, self._residual)]
