@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .effects import EffectInput
+from .effects.load_dependent_friction import direction
 from .late_rows import LateRows
 from .load import products_from_message
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
+from .shown_friction import ShownStream
 from .torque_columns import real_torque, torque_columns, warmth_of
 from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .torque_noise import SampleNoise
@@ -51,6 +53,8 @@ class ModelFollower:
         self.model = model
         self._path = PreslidingState(model.presliding_distance(),
                                      model.presliding_power())
+        self._shown = ShownStream() if any(
+            np.isfinite(use.shape.get('travel', np.inf)) for use in model.uses) else None
         self._friction = model.friction_level()
         self._gear_friction = np.zeros(model.robot.n)
         for use, where in model.slices():
@@ -77,6 +81,8 @@ class ModelFollower:
         self._path.restart()
         if self._noise is not None:
             self._noise.restart()
+        if self._shown is not None:
+            self._shown.restart()
         self._forget_torques()
 
     def _forget_torques(self):
@@ -121,7 +127,8 @@ class ModelFollower:
         robot = self.model.robot
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
-            sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)))
+            sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)),
+            shown=self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt))
         believed = self._believed(x)
         columns = self._columns(x, sample.dt, believed)
         difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
@@ -142,18 +149,18 @@ class ModelFollower:
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load, turned = load_through_effects(self.model, columns[0], load, sample, z, believed)
+            load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed)
             load = load + self._late_load.change(load, sample.dt)
             difference = difference - turned
         return Prediction(difference, load, nuisances, z, doubt, stuck, density,
                           self.column_scale)
 
 
-def load_through_effects(model, columns, load, sample, z, believed):
+def load_through_effects(model, columns, load, sample, x, believed):
     """
     Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
 
-    columns Y (n, P), load K (n, 10) and friction state z (n,) at a MotionSample; believed (n,)
+    columns Y (n, P), load K (n, 10) and EffectInput x at a MotionSample; believed (n,)
     [Nm]: torque of the load that is thought to be held. A wrong gain scales the load's torque too,
     friction grows with it, a leaning base turns its weight. LateRows adds what a delay does. The
     torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
@@ -161,7 +168,7 @@ def load_through_effects(model, columns, load, sample, z, believed):
     """
     robot, gain = model.robot, np.ones(model.robot.n)
     gear = columns[:, :10 * robot.n] @ model.mean[:10 * robot.n]
-    direction = np.sign(gear + believed)
+    side = np.sign(gear + believed)
     leaning, turned = np.zeros_like(load), np.zeros(robot.n)
     warmth = warmth_of(robot, sample.temperature)
     for use, where in model.slices():
@@ -171,8 +178,9 @@ def load_through_effects(model, columns, load, sample, z, believed):
         elif use.name == 'torque_scale_temperature':
             gain[j] += value[0] * warmth[j]
         elif use.name == 'load_dependent_friction':
-            gain[j] += value[0] * direction[j] * z[j]
-            turned[j] += value[0] * (direction[j] * gear[j] - np.abs(gear[j])) * z[j]
+            against = value[0] * direction(x, j, use.shape)[0]
+            gain[j] += side[j] * against
+            turned[j] += (side[j] * gear[j] - np.abs(gear[j])) * against
         elif use.name == 'base_tilt':
             leaning = np.einsum('a,ajk->jk', value,
                                 robot.tilted_load_columns(sample.q, value))

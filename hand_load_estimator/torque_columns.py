@@ -12,6 +12,7 @@ import numpy as np
 from .effects import EFFECTS, EffectInput
 from .play import play_along
 from .presliding import presliding_path
+from .shown_friction import shown_along
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
@@ -266,7 +267,8 @@ def motion_input(robot, motion, distance, power=None):
     """
     z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
     warmth = warmth_of(robot, motion.temperature)
-    return EffectInput(motion.q, motion.v, motion.a, warmth, z), doubt
+    shown = shown_along(motion.q, motion.v, motion.a, motion.dt)
+    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown), doubt
 
 
 def real_torque(robot, q, effort):

@@ -6,6 +6,7 @@ import numpy as np
 from hand_load_estimator.effects import EFFECTS, EffectInput
 from hand_load_estimator.play import play_along
 from hand_load_estimator.recording_mark import RecordingMark
+from hand_load_estimator.shown_friction import shown_along
 from hand_load_estimator.torque_columns import (effect_slices, EffectUse, lateness,
                                                 parameter_count)
 from hand_load_estimator.torque_model import Residuals, TorqueModel
@@ -17,11 +18,11 @@ def inputs(n=4, count=60, seed=0):
     """Return an EffectInput of random numbers with everything an effect may read."""
     rng, shape = np.random.default_rng(seed), (60, n)
     torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
+    q, v, a = (rng.uniform(-size, size, shape) for size in (2, 1, 3))
     return EffectInput(
-        rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), rng.uniform(-3, 3, shape),
-        rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
+        q, v, a, rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
         torque, rng.normal(size=shape), rng.normal(size=(*shape, 2)), lateness(torque, dt),
-        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt))
+        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt), shown_along(q, v, a, dt))
 
 
 def model_with(robot, names, values, shape=None):

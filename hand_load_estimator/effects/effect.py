@@ -22,7 +22,8 @@ class EffectInput:
     seconds ago less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag,
     pose_share, impact): what a gap [rad] in the gear of joint j does to the torque of its drive
     (play.py), (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and
-    impacts [s].
+    impacts [s]; shown(j, travel, power, velocity): friction of size one as the motion filter
+    shows it (shown_friction.py), (N,) or (N, m) [-].
     """
 
     q: np.ndarray
@@ -36,6 +37,7 @@ class EffectInput:
     tilt: np.ndarray | None = None
     late: Callable | None = None
     play: Callable | None = None
+    shown: Callable | None = None
 
     @cached_property
     def sign(self):

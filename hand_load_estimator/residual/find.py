@@ -33,7 +33,8 @@ class Residual:
     The residual of several recordings along their motion, N rows in all.
 
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
-    [1/(Nm^2 s) s]; columns Y (N, n, P) of the model; dt, time (N,) [s]; messages (N,):
+    [1/(Nm^2 s) s]; turning (N, n): weights that count reversals as much as sliding, for what tells
+    how friction turns; columns Y (N, n, P) of the model; dt, time (N,) [s]; messages (N,):
     joint states of each row; owner (N,): recording; starts, folds (B,) of its blocks; moving
     (N, n): where joints slide; sliding (N, n): where they slide by the watch's stricter measure
     (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
@@ -43,6 +44,7 @@ class Residual:
     x: EffectInput
     residual: np.ndarray
     weights: np.ndarray
+    turning: np.ndarray
     columns: np.ndarray
     dt: np.ndarray
     time: np.ndarray
@@ -113,11 +115,12 @@ def find_residual(model, evidence, cut=True):
 
 def _joined_input(parts):
     names = [name for name in EffectInput.__dataclass_fields__
-             if name not in ('late', 'play') and getattr(parts[0], name) is not None]
+             if name not in ('late', 'play', 'shown') and getattr(parts[0], name) is not None]
     late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
     play = parts[0].play and (lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
-    return EffectInput(**{name: np.concatenate([getattr(p, name) for p in parts])
-                          for name in names}, late=late, play=play)
+    return EffectInput(
+        **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
+        play=play, shown=lambda *places: np.concatenate([p.shown(*places) for p in parts]))
 
 
 def _expected(model, columns, x):
@@ -138,13 +141,15 @@ def _of_recording(model, evidence, compared):
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
-    density = np.clip(COLOUR * white, STRUCTURE * stated, stated) \
-        + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
+    sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
+    density = sliding + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
+    known = (doubt < 0.1) & (np.abs(x.v) > 0.01)
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
-    turning = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
-    weights = np.where(turning, 0.0, motion.dt[:, None] / density)
-    moving = (doubt < 0.1) & (np.abs(x.z) > 0.9) & (np.abs(x.v) > 0.01)
+    smeared = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
+    weights = np.where(smeared, 0.0, motion.dt[:, None] / density)
+    moving = known & (np.abs(x.z) > 0.9)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
+            'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),
             'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
             'sliding': surely_slides(x.v, x.z, doubt)}
 

@@ -1,0 +1,30 @@
+"""Friction that turns over a travel of its own, not over that of the joint's other friction."""
+
+import numpy as np
+
+from .effect import Shape
+
+# Contacts are springs: the larger a friction, the longer the way over which they bend (Canudas de
+# Wit et al. 1995). Infinity: it turns as the joint's other friction; only a residual tells more.
+OWN_TRAVEL = Shape('travel', 'rad', np.inf, (np.inf,), 25.0)
+POWER = Shape('power', '-', np.inf, (np.inf,))
+
+
+def of_own_travel(x, j, shape, plain, velocity=np.inf):
+    """
+    Return friction of size one (N,), or (N, m), where a travel is given, and `plain` elsewhere.
+
+    x: EffectInput; velocity [rad/s]: where 1 / e of the friction is left.
+    """
+    if x.shown is None:
+        return plain
+    own = np.isfinite(shape[OWN_TRAVEL.name])
+    if not np.any(own):
+        return plain
+    joints = np.arange(x.q.shape[1])[j]
+    places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), velocity
+    if not np.ndim(joints):
+        return x.shown(*places)
+    out = plain.copy()
+    out[:, own] = x.shown(*(np.broadcast_to(place, joints.shape)[own] for place in places))
+    return out
