@@ -9,6 +9,7 @@ from test_identification import waves
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.presliding import presliding_path
 from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
 from hand_load_estimator.residual.diagnose import diagnose
@@ -170,6 +171,17 @@ def stretched(run):
     return run.x.a
 
 
+def turned_late(run):
+    """Friction that turns over a long way, and then is at its level."""
+    way = np.full(run.robot.n, 0.02), np.full(run.robot.n, 2.0)
+    return presliding_path(run.motion.q, run.motion.v, run.motion.dt, *way)[0] - run.x.z
+
+
+def peak(run):
+    """A Stribeck peak as the motion filter shows it."""
+    return run.x.shown(np.arange(run.robot.n), 2e-3, np.inf, 0.1)
+
+
 def constant_friction(run):
     return np.sign(run.x.v)
 
@@ -246,6 +258,17 @@ def test_friction_that_changes_with_temperature_is_found():
     diagnosis, _ = diagnosed(on(1, 2.0, warming))
     assert_only(diagnosis, 'temperature_dependent_coulomb_friction', [1])
     assert_repaired(diagnosis, 1)
+
+
+@pytest.mark.parametrize('effect, name, shape', [
+    (turned_late, 'presliding_hysteresis', {'presliding_distance': 0.02, 'power': 2.0}),
+    (peak, 'stribeck_friction', {'travel': 2e-3, 'stribeck_velocity': 0.1})])
+def test_the_way_in_which_friction_turns_is_found(effect, name, shape):
+    diagnosis, better = diagnosed(on(1, 8.0, effect))
+    assert told(diagnosis) == {name: (declared_model().robot.joints[1],)}
+    (use,) = [use for use in better.uses if (use.name, use.joint) == (name, 1)]
+    for figure, true in shape.items():
+        assert use.shape[figure] == pytest.approx(true, rel=0.4)
 
 
 def test_effort_that_comes_late_is_one_finding():

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..effects.knee import KNEE, shows
+from ..effects.own_travel import OWN_TRAVEL
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
@@ -16,6 +17,8 @@ from .ripple import likely_periods
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
 # And its curve reach the level sooner than Dahl's, which never does (presliding.turned).
 PRESLIDING_POWERS, LEAST_POWER = (np.inf, 2.0), 1.0
+# Friction of an effect may turn over a travel of its own.
+OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 # A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
 WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
@@ -147,12 +150,12 @@ def _columns(model, effect, x, j, shapes):
 
     Of a knee elsewhere than the model's: what moving it there changes.
     """
-    if 'play' not in effect.needs:
+    if 'play' not in effect.needs and OWN_TRAVEL not in effect.shapes:
         made, bent = [effect.columns(x, j, shape) for shape in shapes], _bent(model, effect, j)
         now = effect.columns(x, j, bent) if bent else 0.0
         return [columns if shape == bent else columns - now
                 for shape, columns in zip(shapes, made)]
-    # Gaps are followed beside one another, in little more time than one of them.
+    # Gaps and travels are followed beside one another, in little more time than one of them.
     together = effect.columns(x, np.full(len(shapes), j), {
         name: np.array([shape[name] for shape in shapes]) for name in shapes[0]})
     return list(np.moveaxis(together, 1, 0))
@@ -197,11 +200,16 @@ def reshaped(hypothesis, factors, model, residual):
 
     factors: for each of them a tuple of as many as `searched` returns.
     """
-    j = hypothesis.joint
     there = searched(hypothesis).items()
     shapes = [{**hypothesis.shape, **{
         name: max(value * factor, LEAST_POWER) if name == 'power' else value * factor
         for (name, value), factor in zip(there, those)}} for those in factors]
+    return _of_shapes(hypothesis, shapes, model, residual)
+
+
+def _of_shapes(hypothesis, shapes, model, residual):
+    """Return the same Hypothesis with each of other shapes."""
+    j = hypothesis.joint
     if j is None:
         joints = list(hypothesis.columns)
         return [replace(hypothesis, shape=shape, columns={
@@ -216,6 +224,24 @@ def reshaped(hypothesis, factors, model, residual):
         columns = _columns(model, EFFECTS[hypothesis.name], residual.x, j, shapes)
     return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)
             for own, shape in zip(columns, shapes)]
+
+
+def turns(hypothesis):
+    """Tell whether a shape of a Hypothesis says how friction turns after a reversal."""
+    return hypothesis.name == 'presliding_hysteresis' or (
+        hypothesis.name in EFFECTS and OWN_TRAVEL in EFFECTS[hypothesis.name].shapes)
+
+
+def other_ways(hypothesis, model, residual):
+    """Return the Hypotheses that differ from one of `turns` in how friction turns."""
+    if hypothesis.name == 'presliding_hysteresis':
+        ways = [{'power': power} for power in PRESLIDING_POWERS
+                if power != hypothesis.shape['power']]
+    else:
+        powers = PRESLIDING_POWERS if 'power' in hypothesis.shape else (np.inf,)
+        ways = [{name: value for name, value in (('travel', travel), ('power', power))
+                 if name in hypothesis.shape} for travel, power in product(OWN_TRAVELS, powers)]
+    return _of_shapes(hypothesis, [{**hypothesis.shape, **way} for way in ways], model, residual)
 
 
 def _of_link(residual, j, std):

@@ -7,17 +7,21 @@ number of trials allow, and moves torque that matters. A plain function that exp
 than any effect is taken as `unknown`.
 """
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
+from .blocks import Blocks
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import (hypotheses, ONE_CAUSE, physical, price, refinable, reshaped, searched,
-                         turned)
+from .hypotheses import (hypotheses, ONE_CAUSE, other_ways, physical, price, refinable, reshaped,
+                         searched, turned, turns)
 from .shape_fit import settled
 
 ROUNDS = 10
+# How friction turns is asked of effects that gain so much [nats].
+PLENTY = 200.0
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
 # of the model's noise.
 LEAST_GAIN, LEAST_RMS = 25.0, 0.5
@@ -63,6 +67,7 @@ class Trace:
             step = self._round()
             if step is None:
                 break
+            step = replace(step, chosen=self._turning(step.chosen))
             found = self.drifted if self._expected(step.chosen) else self.steps
             found.append(step)
             self._take(step.chosen)
@@ -221,23 +226,44 @@ class Trace:
 
     def _refined(self, hypothesis, score):
         """Return the pair with its shape searched between the grid's values, number of trials."""
-        best, count = (hypothesis, score), 0
         if score.gain >= LEAST_GAIN and hypothesis.name == 'base_tilt':
-            exact = turned(*best, self._model, self._residual)
-            return max([best, (exact, self.blocks.evaluate(exact.columns))],
+            exact = turned(hypothesis, score, self._model, self._residual)
+            return max([(hypothesis, score), (exact, self.blocks.evaluate(exact.columns))],
                        key=lambda pair: pair[1].gain), 1
         if score.gain < LEAST_GAIN or not refinable(hypothesis):
-            return best, count
+            return (hypothesis, score), 0
+        return self._searched((hypothesis, score), self.blocks)
+
+    def _turning(self, candidate):
+        """
+        Return a chosen Candidate with the way its friction turns, where it is friction that does.
+
+        Reversals are what shows it, and what all other comparisons leave out.
+        """
+        hypothesis, r = candidate.parts[0][0], self._residual
+        if not turns(hypothesis) or candidate.gain < PLENTY:
+            return candidate
+        blocks = Blocks(r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds)
+        own = [hypothesis, *other_ways(hypothesis, self._model, r)]
+        pairs = [(trial, blocks.evaluate(trial.columns)) for trial in own]
+        # A shape that is not there without need must pay for itself.
+        best = max(pairs, key=lambda pair: _rank(*pair, -price(pair[0], hypothesis)))
+        (best, _), _ = self._searched(best, blocks)
+        return single(best, self.blocks.evaluate(best.columns))
+
+    def _searched(self, best, blocks):
+        """Return a pair with its shape searched around what it is, number of trials."""
+        count = 0
         for step in (1.25, 1.12):
             # Parameters that make up for one another are found together only.
             factors = [those for those in product((1.0 / step, 1.0, step),
-                                                  repeat=len(searched(hypothesis)))
+                                                  repeat=len(searched(best[0])))
                        if set(those) != {1.0}]
-            tried = [(trial, self.blocks.evaluate(trial.columns)) for trial in
+            tried = [(trial, blocks.evaluate(trial.columns)) for trial in
                      reshaped(best[0], factors, self._model, self._residual)]
             best = max([best, *tried], key=lambda pair: _rank(*pair))
             count += len(tried)
-        best, more = settled(*best, self.blocks, self._model, self._residual, _rank)
+        best, more = settled(*best, blocks, self._model, self._residual, _rank)
         return best, count + more
 
     def _take(self, chosen):
