@@ -20,7 +20,7 @@ def case(q, v, residual, weights):
     blocks = Blocks(residual[:, None], weights[:, None], [np.zeros((len(q), 0))],
                     np.arange(0, len(q), 200), np.arange(len(q) // 200) % 5)
     x = SimpleNamespace(q=q[:, None], v=v[:, None], sign=np.sign(v)[:, None],
-                        warmth=np.zeros((len(q), 1)))
+                        warmth=np.zeros((len(q), 1)), shown=None)
     return blocks, SimpleNamespace(x=x)
 
 
