@@ -336,6 +336,17 @@ def test_names_are_text_not_markup():
     assert Reader(text).open == []
 
 
+def test_noise_and_structure_are_told_with_their_limits():
+    most = np.array([1.2, 1.8, 1.0, 0.4, 0.4, np.nan])
+    diagnosis = dataclasses.replace(found(), noise_most=most)
+    text = Reader(diagnosis_page.page(diagnosis)).words()
+    assert '1.22 to 1.80' in text and '31 % to 85 %' in text
+    assert 'that repeats' not in text and 'perfect model' not in text
+    content = diagnosis_json.diagnosis_content(diagnosis)
+    assert content['noise_most'][1] == 1.8 and content['noise_most'][5] is None
+    assert content['unexplained_most'][1] == pytest.approx(0.845, abs=1e-3)
+
+
 def test_what_is_not_known_is_told_so():
     lost = np.full(6, np.nan)
     blank = dataclasses.replace(ripple().pictures[0], **{

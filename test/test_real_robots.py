@@ -139,7 +139,8 @@ def report_of(effects, cannot_tell=()):
     """Return what `hand_load diagnose` writes for two joints, as far as the table reads it."""
     return {'schema': 'hand_load/diagnosis/1', 'joints': ['lift', 'twist'],
             'before': {'torque_rmse': [412.345, None]}, 'after': {'torque_rmse': [0.12345, 2.0]},
-            'noise_floor': [0.1, None], 'unexplained': [0.344, None],
+            'noise_floor': [0.1, None], 'noise_most': [0.1, None],
+            'unexplained': [0.344, None], 'unexplained_most': [0.344, None],
             'cannot_tell': list(cannot_tell), 'effects': effects}
 
 
@@ -162,8 +163,16 @@ def test_the_table_names_effects_at_their_joints():
 
 def test_a_joint_without_effects_says_none():
     assert table({'arm': report_of([])}).splitlines()[2].endswith('| none | 34 % structure |')
-    quiet = {**report_of([]), 'unexplained': [0.01, 0.0]}
+    quiet = {**report_of([]), 'unexplained': [0.01, 0.0], 'unexplained_most': [0.02, 0.0]}
     assert table({'arm': quiet}).splitlines()[2].endswith('| none | noise |')
+
+
+def test_what_is_known_within_limits_only_is_told_with_both():
+    report = {**report_of([]), 'noise_floor': [0.0564, 0.8], 'noise_most': [0.1, None],
+              'unexplained': [0.344, None], 'unexplained_most': [0.8, 0.84]}
+    lines = table({'arm': report}).splitlines()
+    assert '| 0.0564 to 0.1 |' in lines[2] and lines[2].endswith('| 34 to 80 % structure |')
+    assert lines[3].endswith('| - | none | not known, up to 84 % structure |')
 
 
 def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():

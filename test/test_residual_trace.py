@@ -397,7 +397,7 @@ def test_what_has_no_name_is_unknown_with_its_variable():
     diagnosis, better = diagnosed(on(2, 4.0, resonance))
     assert [(f.name, f.joints, f.variables) for f in diagnosis.findings] == [
         (UNKNOWN, (better.robot.joints[2],), ('velocity',))]
-    assert diagnosis.unexplained[2] > 0.3
+    assert diagnosis.unexplained_most[2] > 0.3
     assert {(u.name, u.joint) for u in better.uses} \
         == {(u.name, u.joint) for u in declared_model().uses}
 

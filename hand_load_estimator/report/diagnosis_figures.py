@@ -61,8 +61,12 @@ def _draw_errors(figure, diagnosis):
     y = np.arange(len(diagnosis.joints), dtype=float)
     before = _draw_bars(axes, y, diagnosis.before, _BEFORE, 'before')
     after = _draw_bars(axes, y + 0.3, diagnosis.after, _AFTER, 'after')
-    floor = axes.vlines(diagnosis.noise_floor, y - 0.17, y + 0.47, color='k', linewidth=1.6,
-                        linestyle=(0, (2.0, 1.0)), label='noise floor')
+    limits = [diagnosis.noise_floor]
+    if diagnosis.noise_most is not None:
+        limits.append(diagnosis.noise_most)
+    for noise in limits:
+        floor = axes.vlines(noise, y - 0.17, y + 0.47, color='k', linewidth=1.6,
+                            linestyle=(0, (2.0, 1.0)), label='noise')
     # Names stand above their bars: beside them long names would leave no room for the bars.
     for place, name in zip(y, diagnosis.joints):
         axes.annotate(name, (0.0, place - 0.2), (3.0, 0.0), textcoords='offset points',
@@ -76,6 +80,6 @@ def _draw_errors(figure, diagnosis):
 
 
 def errors_svg(diagnosis):
-    """Return the torque error of every joint drawn: before, after, noise floor."""
+    """Return the torque error of every joint drawn: before, after, noise."""
     return svg_of(1.0 + 0.68 * len(diagnosis.joints),
                   lambda figure: _draw_errors(figure, diagnosis))

@@ -13,7 +13,8 @@ from .diagnosis_figures import errors_svg
 from .effect_section import badges_html, effect_section, what, where
 from .page_parts import html_image, html_table, STYLE
 from .structure_section import structure_section
-from .words import as_sentence, items_html, label_html, number_text, share_text
+from .words import (as_sentence, items_html, label_html, number_text, range_text,
+                    share_text)
 
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
@@ -77,21 +78,29 @@ def _tested(diagnosis):
 
 
 def _errors(diagnosis):
-    rows = [[label_html(name), *map(number_text, errors), share_text(left)]
-            for name, left, *errors in zip(
-                diagnosis.joints, diagnosis.unexplained, diagnosis.before, diagnosis.after,
-                diagnosis.noise_floor)]
+    most = diagnosis.noise_floor if diagnosis.noise_most is None else diagnosis.noise_most
+    rows = [[label_html(name), number_text(before), number_text(after),
+             range_text(*floor, number_text), range_text(*left, share_text)]
+            for name, before, after, floor, left in zip(
+                diagnosis.joints, diagnosis.before, diagnosis.after,
+                zip(diagnosis.noise_floor, most),
+                zip(diagnosis.unexplained, diagnosis.unexplained_most))]
     same = '' if diagnosis.findings else ' Nothing was added, so before and after are the same.'
     return (
         '<h2>Torque error per joint</h2>'
         f'<p>{_tested(diagnosis)}{same}</p>'
         + html_image(errors_svg(diagnosis), 'Torque error per joint before and after, with its '
-                     'noise floor; the figures are in the table below')
-        + html_table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise floor<br>[Nm]',
+                     'noise; the figures are in the table below')
+        + html_table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise<br>[Nm]',
                       'unex&shy;plained'], rows)
         + '<p class="quiet">Before and after: root mean square of measured less modelled torque. '
-        'Noise floor: what a perfect model would leave. Unexplained: share of the remaining '
-        'error\'s variance that repeats, so is no noise, and that no effect explains.</p>')
+        'Unexplained: share of the remaining error\'s variance that no effect explains and that '
+        'is no noise. The smaller figure is what still resembles itself 0.1 to 0.5 s later, which '
+        'neither noise of torque nor of acceleration does behind the motion filter; the larger '
+        'one is all but white noise as large as samples differ from one to the next. Noise: the '
+        'rest, so that structure or vibration as quick as noise counts as noise at its larger '
+        'figure, and noise smoothed before it was recorded as structure at its smaller one. Not '
+        'known: the recordings tested on are too short.</p>')
 
 
 def _load(diagnosis):
@@ -127,16 +136,17 @@ def _learned(fine_tuning):
             + _load_table(['', 'artefact<br>as it was', 'fine-<br>tuned'], before, after))
 
 
-def _left(name, share):
-    if not math.isfinite(share):
+def _left(name, least, most):
+    if not math.isfinite(least):
         return f'{label_html(name)}: not known.'
-    return (f'{label_html(name)}: {share_text(share)} of the remaining error\'s variance is '
-            'structure that no effect explains.')
+    return (f'{label_html(name)}: {range_text(least, most, share_text)} of the remaining error\'s '
+            'variance is structure that no effect explains.')
 
 
 def _remains(diagnosis):
-    left = [_left(name, share) for name, share in zip(diagnosis.joints, diagnosis.unexplained)
-            if not share < _WEIGHTY]
+    left = [_left(name, least, most) for name, least, most in zip(
+        diagnosis.joints, diagnosis.unexplained, diagnosis.unexplained_most)
+        if not max(least, most) < _WEIGHTY]
     left += [escape(sentence) for sentence in diagnosis.remains]
     none = f'<p>Nothing of weight: less than {100 * _WEIGHTY:.0f} % at every joint.</p>'
     text = '<h2>What remains unexplained</h2>' + (items_html(left) if left else none)

@@ -49,8 +49,8 @@ def structure_section(diagnosis):
     cells = before.pairs.size + sum(map(len, before.share.values()))
     return (
         '<section><h2>Where the residual lives</h2>'
-        '<p>On the recordings that were diagnosed: what is noise, what repeats, and what '
-        'foretells it.</p>'
+        '<p>On the recordings that were diagnosed: what may be noise, what is none, and what '
+        'foretells that.</p>'
         + html_table(['joint', 'before<br>[Nm]', 'after<br>[Nm]', 'noise<br>[Nm]',
                       'structure'], _rows(joints, before, after))
         + '<h3>What it follows</h3>' + items_html(_lives(joints, before, after))
@@ -60,7 +60,8 @@ def structure_section(diagnosis):
         + html_image(pairs_svg(joints, before, after), 'Map of joint pairs: percent of the '
                      'structure of the joint of the row that the motion of the joint of the '
                      'column foretells')
-        + '</div><p class="quiet">Structure: share of the residual\'s variance that is no noise. '
+        + '</div><p class="quiet">Structure: share of the residual\'s variance that is no white '
+        'noise; noise that was smoothed before it was recorded counts in there. '
         'A cell: percent of the structure there was before that a function of this one variable '
         'foretells, on blocks of data it was not fitted to. Below: what the motion of the joint '
         'of the column adds to that of the joint of the row, and on the diagonal the joint\'s '

@@ -24,6 +24,13 @@ def share_text(fraction):
     return f'{round(100.0 * fraction)}&nbsp;%'.replace('-', '−')
 
 
+def range_text(low, high, form):
+    """Return two numbers in the words of form(number), once where both have the same."""
+    texts = [form(low), form(high)]
+    unknown = form(math.nan)
+    return unknown if unknown in texts else ' to '.join(dict.fromkeys(texts))
+
+
 def _rounded(mean, width):
     """Return mean ± width to the digits the width leaves, scaled where zeros would crowd it."""
     largest = max(abs(mean), width)

@@ -5,7 +5,6 @@ import time
 
 import numpy as np
 
-from ..filtered_noise import noise_floor
 from ..identification import prior
 from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
@@ -21,6 +20,7 @@ from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
+from .rest import rest_of
 from .structure import structures
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
@@ -67,7 +67,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     # written, both are fitted without it; else the error told is that of the model written.
     refitted = bool(again and own and kept)
     old = better_model(model, (), evidence) if refitted else model
-    before, after, floor = _errors(old, better, test)
+    before, after, rest_of_test = _errors(old, better, test)
     left = unexplained_joints(residual, rest)
     odd = left + trace.unexplained()
     findings = findings_of(model, better, residual, trace, odd) \
@@ -77,16 +77,16 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*by_name, *sentences, *still.values(), *limited,
-              *_nearly(model.robot, trace, findings, _structured(after, floor))]
+              *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
-        model.robot.name, tuple(model.robot.joints), before, after, floor, findings,
-        _unexplained(after, floor), tuple(cannot), recordings=names,
+        model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, findings,
+        rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + _remains(model.robot, after, floor), structure=structure,
-        sliding=_sliding(better, test)), correction), better
+        remains=doubts, structure=structure, sliding=_sliding(better, test),
+        noise_most=rest_of_test.most), correction), better
 
 
 def _residual(model, evidence):
@@ -144,14 +144,14 @@ def _root(model):
 
 
 def _errors(model, better, test):
-    """Return RMSE (n,) [Nm] of both models on test data while joints slide, noise floor."""
+    """Return RMSE (n,) [Nm] of both models on test data while joints slide, Rest of the new."""
     old, new = (errors_of(m, test) for m in (model, better))
     # Each model knows its friction state at other times; both are judged at the same.
     old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))
-    floor = noise_floor(new, np.concatenate([e.motion.dt for e in test]),
-                        np.concatenate([e.motion.messages for e in test]))
-    before, after = _rms(old), _rms(new)
-    return before, after, np.minimum(floor, after)
+    rest = rest_of(new, np.concatenate([e.motion.dt for e in test]),
+                   np.concatenate([e.motion.messages for e in test]),
+                   np.concatenate([np.full(len(e.motion.dt), k) for k, e in enumerate(test)]))
+    return _rms(old), rest.rms, rest
 
 
 def _sliding(model, test):
@@ -174,13 +174,9 @@ def errors_of(model, evidence):
     return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
 
 
-def _unexplained(after, floor):
-    return np.clip(1.0 - (floor / np.maximum(after, 1e-12)) ** 2, 0.0, 1.0)
-
-
-def _structured(after, floor):
-    """Return the indices of joints of whose error the larger part is no noise."""
-    return [int(j) for j in np.flatnonzero(after > 1.5 * floor)]
+def _structured(rest):
+    """Return the indices of joints of whose error the larger part may be no noise."""
+    return [int(j) for j in np.flatnonzero(rest.rms > 1.5 * rest.noise)]
 
 
 def _nearly(robot, trace, findings, joints):
@@ -188,9 +184,3 @@ def _nearly(robot, trace, findings, joints):
     named = {name for finding in findings for name in finding.joints}
     return too_little_gained(robot, trace.nearly, trace.needed,
                              [j for j in joints if robot.joints[j] not in named])
-
-
-def _remains(robot, after, floor):
-    return tuple(
-        f'{robot.joints[j]}: {after[j]:.2f} Nm are left, {floor[j]:.2f} Nm of them noise'
-        for j in _structured(after, floor))

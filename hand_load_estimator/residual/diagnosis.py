@@ -159,9 +159,10 @@ class Diagnosis:
     The whole result; (n,) arrays are per joint.
 
     before, after [Nm]: torque RMSE of the model as it was and of the one written, on data not used
-    for fitting or choosing what was found; noise_floor [Nm];
+    for fitting or choosing what was found; noise_floor, noise_most [Nm]: what of `after` is noise
+    at least, if it is white, and at most (rest.py); NaN where not known;
     findings: in the order they were found; unexplained (n,): share of the residual variance that
-    is structure and no effect explains; cannot_tell: sentences `cannot tell X because Y`;
+    is surely structure, which no effect explains; cannot_tell: sentences `cannot tell X because Y`;
     load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
     it; fine_tuning: what became of the learned artefact, None where it was left as it is;
@@ -194,3 +195,9 @@ class Diagnosis:
     seen: tuple = ()
     refitted: bool = False
     left_out: float = 0.0
+    noise_most: np.ndarray | None = None
+
+    @property
+    def unexplained_most(self):
+        """Share (n,) of the residual variance that may be structure: all but white noise."""
+        return 1.0 - (self.noise_floor / np.maximum(self.after, 1e-12)) ** 2

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from ..filtered_noise import noise_floor
 from .diagnosis import Structure
 from .find import find_residual
 from .foretelling import Foretelling
 from .hypotheses import VARIABLES, hats
+from .rest import rest_of
 
 CONSTANT, DIRECTION, TEMPERATURE, TIME = 'constant', 'direction', 'temperature', 'time'
 ORDER = (CONSTANT, 'position', 'velocity', DIRECTION, 'acceleration', 'gear torque', TEMPERATURE,
@@ -29,7 +29,8 @@ def structures(model, better, residual, evidence, warmed):
     old = residual.residual
     new = old if better is model else find_residual(better, evidence, cut=False).residual
     # What the better model removes was no noise, quick as it may be.
-    floor = noise_floor(np.where(rows, new, np.nan), residual.dt, residual.messages)
+    floor = rest_of(np.where(rows, new, np.nan), residual.dt, residual.messages,
+                    residual.owner).noise
     noise = np.minimum.reduce([floor, *(np.sqrt(_square(residual, values))
                                         for values in (old, new))])
     whole = np.maximum(_square(residual, old) - noise ** 2, LEAST * _square(residual, old))

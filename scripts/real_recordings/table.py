@@ -12,6 +12,14 @@ def _number(value):
     return '-' if value is None else f'{value:.3g}'
 
 
+def _range(low, high, form):
+    """Return two figures as one where they read the same; the larger is not known without both."""
+    if low is None or high is None:
+        return '-'
+    low, high = form(low), form(high)
+    return high if low == high else f'{low} to {high}'
+
+
 def _cell(text):
     """Return text that cannot break a table's row."""
     return ' '.join(str(text).split()).replace('|', '/')
@@ -26,27 +34,41 @@ def _named(effect):
 def rows_of(name, report):
     """Return a set's table rows; report: content of its report.json (DESIGN section 4)."""
     rows = []
-    for joint, before, after, noise, share in zip(
+    for joint, before, after, *noise_share in zip(
             report['joints'], report['before']['torque_rmse'], report['after']['torque_rmse'],
-            report['noise_floor'], report['unexplained']):
+            report['noise_floor'], report['noise_most'], report['unexplained'],
+            report['unexplained_most']):
+        noise, share = noise_share[:2], noise_share[2:]
         effects = [_named(effect) for effect in report['effects'] if joint in effect['joints']]
         rows.append(f'| {name} | {joint} | {_number(before)} -> {_number(after)} | '
-                    f'{_number(noise)} | {", ".join(effects) or "none"} | '
+                    f'{_range(*noise, _number)} | {", ".join(effects) or "none"} | '
                     f'{_left(joint, share, report)} |')
     return rows
 
 
 def _left(joint, share, report):
     """Return what is left of a joint, and what the report cannot tell of it."""
-    if share is None:
-        left = ['not known']
-    else:
-        left = [f'{100.0 * share:.0f} % structure' if share >= _WEIGHTY else 'noise']
+    left = [_structure(*share)]
     others = [name for name in report['joints'] if name != joint]
     # A sentence without a joint's name speaks of them all: it stands below the table.
     left += [_cell(sentence) for sentence in report['cannot_tell']
              if joint in sentence and not any(name in sentence for name in others)]
     return '; '.join(left)
+
+
+def _structure(least, most):
+    """Return how much of what is left is structure: shares at least and at most, or None."""
+    if most is None:
+        return 'not known'
+    if least is None:
+        return f'not known, up to {100.0 * most:.0f} % structure'
+    if most < _WEIGHTY:
+        return 'noise'
+    return f'{_range(least, most, _percent)} % structure'
+
+
+def _percent(share):
+    return f'{100.0 * share:.0f}'
 
 
 def of_all_joints(results):
