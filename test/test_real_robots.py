@@ -172,7 +172,7 @@ def test_what_is_known_within_limits_only_is_told_with_both():
               'unexplained': [0.344, None], 'unexplained_most': [0.8, 0.84]}
     lines = table({'arm': report}).splitlines()
     assert '| 0.0564 to 0.1 |' in lines[2] and lines[2].endswith('| 34 to 80 % structure |')
-    assert lines[3].endswith('| - | none | not known, up to 84 % structure |')
+    assert lines[3].endswith('| - | none | not known |')
 
 
 def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():

@@ -146,9 +146,10 @@ def _left(name, least, most):
 def _remains(diagnosis):
     left = [_left(name, least, most) for name, least, most in zip(
         diagnosis.joints, diagnosis.unexplained, diagnosis.unexplained_most)
-        if not max(least, most) < _WEIGHTY]
+        if not least < _WEIGHTY]
     left += [escape(sentence) for sentence in diagnosis.remains]
-    none = f'<p>Nothing of weight: less than {100 * _WEIGHTY:.0f} % at every joint.</p>'
+    none = (f'<p>Nothing of weight: less than {100 * _WEIGHTY:.0f} % at every joint is surely '
+            'structure.</p>')
     text = '<h2>What remains unexplained</h2>' + (items_html(left) if left else none)
     if diagnosis.cannot_tell:
         text += '<h3>What these recordings cannot tell</h3>' + items_html(

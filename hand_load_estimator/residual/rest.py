@@ -19,8 +19,9 @@ FORGOTTEN, LATEST, STEP = 0.1, 0.5, 0.02
 # The resemblance at a lag must be so many times its standard error over pieces so long [s], of
 # which there are so many at least.
 PIECE, SIGMAS, FEWEST = 0.25, 3.5, 8
-# Where chance may hide more than this share of the variance, the least is not known.
-HIDDEN = 0.3
+# Structure that is not sure may be as large as so many standard errors; where that is more than
+# this share of the variance, nothing is known of it.
+PERHAPS, HIDDEN = 2.0, 0.18
 
 
 @dataclass(frozen=True)
@@ -56,22 +57,21 @@ def rest_of(residual, dt, messages, owner):
 
     dt [s], messages, owner (N,): since the row before, of joint states, recording of each row.
     """
-    known = np.isfinite(residual)
-    count = known.sum(axis=0)
-    square = np.where(count > 0, np.where(known, residual ** 2, 0.0).sum(axis=0), np.nan) \
-        / np.maximum(count, 1)
+    count = np.isfinite(residual).sum(axis=0)
+    square = np.where(count > 0, np.nansum(residual ** 2, axis=0), np.nan) / np.maximum(count, 1)
     products, pairs = _products(residual, dt, owner)
     share, hidden = _remembered(products / square, pairs)
     rms = np.sqrt(square)
-    most = np.where((share > 0.0) | (hidden < HIDDEN), rms * np.sqrt(1.0 - share), np.nan)
+    known = (share > 0.0) | (hidden < HIDDEN)
+    most = np.where(known, rms * np.sqrt(1.0 - share), np.nan)
+    least = rms * np.sqrt(1.0 - np.where(share > 0.0, share, known * np.minimum(hidden, 1.0)))
     # Noise of the acceleration differs more from row to row than white noise of its size.
-    white = np.minimum(noise_floor(residual, dt, messages), rms)
-    return Rest(rms, np.fmin(most, white), most)
+    return Rest(rms, np.minimum(least, noise_floor(residual, dt, messages)), most)
 
 
 def _remembered(products, pairs):
     """
-    Return (share (n,) of the variance that surely resembles itself later, what chance may hide).
+    Return (share (n,) of the variance that surely resembles itself later, what may unnoticed).
 
     products, pairs (K, L, n): of rows a lag apart, summed over pieces, and how many; in units of
     the variance. The largest lag counts: nothing resembles its past more than itself.
@@ -79,11 +79,12 @@ def _remembered(products, pairs):
     total = np.maximum(pairs.sum(axis=0), 1.0)
     mean = products.sum(axis=0) / total
     spread = np.sqrt(((products - pairs * mean) ** 2).sum(axis=0)) / total
-    doubt = np.where((pairs > 0.0).sum(axis=0) >= FEWEST, SIGMAS * spread, np.inf)
+    error = np.where((pairs > 0.0).sum(axis=0) >= FEWEST, spread, np.inf)
     # Lags between those of the rows have hardly a pair.
     seen = total >= 0.5 * total.max(axis=0)
-    share = np.where(seen & (np.abs(mean) > doubt), np.abs(mean), 0.0).max(axis=0)
-    return np.minimum(share, 1.0), np.where(seen, doubt, 0.0).sum(axis=0) / seen.sum(axis=0)
+    share = np.where(seen & (np.abs(mean) > SIGMAS * error), np.abs(mean), 0.0).max(axis=0)
+    hidden = PERHAPS * np.where(seen, error, 0.0).sum(axis=0) / seen.sum(axis=0)
+    return np.minimum(share, 1.0), hidden
 
 
 def _products(residual, dt, owner):

@@ -58,10 +58,8 @@ def _left(joint, share, report):
 
 def _structure(least, most):
     """Return how much of what is left is structure: shares at least and at most, or None."""
-    if most is None:
+    if least is None or most is None:
         return 'not known'
-    if least is None:
-        return f'not known, up to {100.0 * most:.0f} % structure'
     if most < _WEIGHTY:
         return 'noise'
     return f'{_range(least, most, _percent)} % structure'

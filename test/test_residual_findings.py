@@ -1,0 +1,98 @@
+"""What a finding says of itself, also where the model was made from the recordings diagnosed."""
+
+from dataclasses import replace
+from functools import lru_cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_known_recordings import on_disk
+from test_residual_trace import declared_model, on, recorded, ripple, viscous
+
+from hand_load_estimator.identification import identify
+from hand_load_estimator.residual.blocks import Score
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
+from hand_load_estimator.residual.findings import refuted
+from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.pictures import picture
+from hand_load_estimator.residual.pictures import travel as travel_since_reversal
+
+JOINT = 1
+
+
+def toothed(run):
+    """Friction that grows with the torque of the gear."""
+    gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
+    return np.abs(gear) * run.x.z
+
+
+@lru_cache(None)
+def own():
+    """Return (Diagnosis, identified model) of an arm whose model took load friction for others."""
+    evidence = on_disk(recorded(on(JOINT, 12.0, toothed)))
+    names = ('torque_offset', 'coulomb_friction', 'viscous_friction', 'link_inertia')
+    model = identify(declared_model().robot, evidence[:-1], names)
+    return diagnose(model, evidence[:-1], evidence[-1:])[0], model
+
+
+def loaded_friction():
+    found = {f.name: f for f in own()[0].findings}
+    return found['load_dependent_friction']
+
+
+def test_what_an_effect_explains_is_what_the_error_falls_by():
+    diagnosis, _ = own()
+    share = loaded_friction().explained[JOINT]
+    fallen = 1.0 - (diagnosis.after[JOINT] / diagnosis.before[JOINT]) ** 2
+    assert fallen > 0.3 and share == pytest.approx(fallen, abs=0.2)
+    assert (np.delete(loaded_friction().explained, JOINT) < 0.05).all()
+
+
+def test_the_picture_shows_friction_over_the_size_of_the_torque():
+    (picture,) = loaded_friction().pictures
+    assert 'size of gear torque' in picture.variable and (picture.x >= 0.0).all()
+    assert (np.diff(picture.curve) > 0.0).all()
+    # The points lie along the curve, whatever the old model had taken for what.
+    off = np.sqrt(np.mean((picture.mean - picture.curve) ** 2))
+    assert off < 0.15 * np.ptp(picture.curve)
+
+
+def test_two_effects_of_a_joint_leave_each_other_their_own():
+    diagnosis, _ = diagnose(declared_model(), recorded(on(2, 3.0, ripple), on(2, 2.0, viscous)))
+    found = {f.name: f.explained[2] for f in diagnosis.findings}
+    # Of noise 1, 9 and 4 of variance: each beside the other.
+    assert found['torque_ripple'] == pytest.approx(0.9, abs=0.04)
+    assert found['viscous_friction'] == pytest.approx(0.8, abs=0.06)
+
+
+def test_a_dip_at_reversals_is_drawn_over_a_few_travels():
+    travel, count = 9e-4, 20000
+    way = np.where(np.arange(count) // 1000 % 2, -1.0, 1.0)
+    q = np.cumsum(way * np.random.default_rng(0).uniform(0.0, 2e-4, count))[:, None]
+    travelled = travel_since_reversal(q[:, 0])
+    columns = -np.sign(travelled) * np.exp(-np.abs(travelled) / travel)
+    hypothesis = Hypothesis('presliding_hysteresis', 0, {0: columns[:, None]}, np.ones(1),
+                            {'presliding_distance': travel})
+    score = Score(1.0, 1.0, np.ones(1), np.ones(1), 1e-4 * np.eye(1), {0: 1.0})
+    residual = SimpleNamespace(x=SimpleNamespace(q=q), moving=np.ones((count, 1), bool))
+    drawn = picture(declared_model().robot, residual, columns, hypothesis, score, 0)
+    assert np.abs(travelled).max() > 80.0 * travel and np.abs(drawn.x).max() < 5.0 * travel
+    assert len(drawn.x) > 8 and np.ptp(drawn.curve) > 1.5
+
+
+def finding(joints, explained):
+    chance = Evidence(9.0, 1.0, 1.0, 1, 1, 1.0)
+    return Finding('torque_ripple', joints, {}, np.array(explained), chance, (), '', False,
+                   CONFIRMED)
+
+
+@pytest.mark.parametrize('joints, explained, verdict', [
+    (('elbow',), [0.0, 0.0], SUSPECTED), (('elbow',), [0.9, 0.1], SUSPECTED),
+    (('pan',), [0.0, 0.0], CONFIRMED), (('pan', 'elbow'), [0.1, 0.4], SUSPECTED)])
+def test_what_made_its_own_joint_worse_is_suspected(joints, explained, verdict):
+    """An effect that explains nothing is not taken for the first joint's."""
+    (found,), told = refuted((finding(joints, explained),), ('pan', 'elbow'),
+                             np.array([1.0, 1.0]), np.array([0.5, 1.5]))
+    assert found.verdict == verdict and len(told) == (verdict == SUSPECTED)
+    assert replace(found, verdict=CONFIRMED) is not found
