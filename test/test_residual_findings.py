@@ -6,11 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_known_recordings import on_disk
+from test_known_recordings import made_of, on_disk
 from test_residual_trace import declared_model, on, recorded, ripple, viscous
 
 from hand_load_estimator.identification import identify
+from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.blocks import Score
+from hand_load_estimator.residual.candidate import Candidate, Step
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.findings import refuted
@@ -96,3 +98,18 @@ def test_what_made_its_own_joint_worse_is_suspected(joints, explained, verdict):
                              np.array([1.0, 1.0]), np.array([0.5, 1.5]))
     assert found.verdict == verdict and len(told) == (verdict == SUSPECTED)
     assert replace(found, verdict=CONFIRMED) is not found
+
+
+def test_a_link_found_changed_may_change_in_a_model_of_the_same_recordings():
+    """Held as tightly as before it would stay as it was, and the finding say nothing."""
+    evidence = on_disk(recorded())[:2]
+    old = made_of(replace(declared_model(), links_declared=True), evidence)
+    where = slice(20, 30)
+    hypothesis = Hypothesis('link_inertia', 2, {}, np.ones(10))
+    step = Step(Candidate('link_inertia', ((hypothesis, None),), 9.0, 1.0, np.ones(1)), (), None,
+                1.0)
+    same, freed = (np.sqrt(np.diag(better_model(old, steps, evidence).covariance))
+                   for steps in ((), (step,)))
+    assert (freed[where] > 1.5 * same[where]).any()
+    np.testing.assert_allclose(np.delete(freed, np.arange(40)), np.delete(same, np.arange(40)),
+                               rtol=0.5)

@@ -49,11 +49,16 @@ class Blocks:
             self.nuisances[j] = np.hstack([self.nuisances[j], extra])
             self._joints[j] = self._joint(j)
 
-    def left_over(self, j):
-        """Return the residual (N,) of joint j after its nuisances, fitted to all blocks."""
-        own = self._joints[j]
-        delta = np.linalg.solve(own.dd.sum(axis=0) + np.eye(own.dd.shape[1]), own.dr.sum(axis=0))
-        return self.residual[:, j] - self.nuisances[j] @ delta
+    def left_over(self, j, beside=0.0):
+        """
+        Return the residual (N,) of joint j after its nuisances, fitted to all blocks.
+
+        beside (N,) [Nm]: a torque that they are not fitted to; it stays in what is returned.
+        """
+        own, d = self._joints[j], self.nuisances[j]
+        told = d.T @ (self.weights[:, j] * (self.residual[:, j] - beside))
+        delta = np.linalg.solve(own.dd.sum(axis=0) + np.eye(d.shape[1]), told)
+        return self.residual[:, j] - d @ delta
 
     def evaluate(self, columns):
         """Return the Score of columns {joint: (N, k)}, in units of their prior's std."""

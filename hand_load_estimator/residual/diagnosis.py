@@ -14,7 +14,8 @@ class Picture:
     An effect as a mechanical engineer would draw it: residual torque against its variable.
 
     joint; variable: what is on the x axis, with its unit; x (B,): middles of bins; mean, std (B,)
-    [Nm]: residual in the bins before the effect was added, and the standard error of its mean;
+    [Nm]: what is left in the bins beside the effect with its own torque in it, and the standard
+    error of its mean;
     curve, low, high (B,) [Nm]: fitted effect with its 95 % interval.
     """
 
@@ -70,8 +71,9 @@ class Finding:
     """
     One effect found: name, joints (names), parameters {name: (mean, std, unit)}.
 
-    With several joints the parameters' names end in ` (joint)`. explained (n,): share of each
-    joint's residual variance; alternatives: each an Alternative; advice: the motion that would
+    With several joints the parameters' names end in ` (joint)`. explained (n,): share of the
+    variance that is left of each joint without the effect, everything else fitted again, that goes
+    with it; alternatives: each an Alternative; advice: the motion that would
     tell, or an empty string; changed: the model had it already, with other figures;
     verdict: CONFIRMED or SUSPECTED; variables: what an `unknown` effect depends on; recording:
     the one in which it happened, times counting from its first sample and explained being the

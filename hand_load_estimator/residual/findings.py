@@ -12,6 +12,7 @@ from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .pictures import picture
 from .shape_std import shape_std
+from .unknown import left_over
 
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
@@ -27,15 +28,12 @@ def findings_of(model, better, residual, trace, odd=()):
     odd: joints with something unknown, where no effect is confirmed, and only there what has no
     name.
     """
-    torques = {id(step): step.chosen.torque(model.robot.n) for step in trace.steps}
     found = []
     for step in trace.steps:
         blocks = trace.beside(step)
         again = evaluated(step.chosen, blocks)
-        others = sum((t for key, t in torques.items() if key != id(step)),
-                     np.zeros_like(residual.residual))
         found.append(_finding((model, better), residual, trace, step, again,
-                              others, odd, _shape_std(again, blocks, model, residual)))
+                              blocks, odd, _shape_std(again, blocks, model, residual)))
     return tuple(found)
 
 
@@ -49,17 +47,20 @@ def _shape_std(candidate, blocks, model, residual):
     return found
 
 
-def _finding(models, residual, trace, step, again, others, odd, searched):
+def _finding(models, residual, trace, step, again, blocks, odd, searched):
     (model, better), chosen = models, replace(step.chosen, parts=again.parts)
     robot = model.robot
     torque = chosen.torque(robot.n)
-    partial = residual.residual - others
+    # What else was fitted is fitted again without the effect, and beside it.
+    without = left_over(robot, blocks)
+    partial = np.stack([blocks.left_over(j, torque[:, j]) for j in range(robot.n)], axis=1)
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
     sure = significant(again) and (chosen.name == UNKNOWN) == (main in odd)
     return Finding(
         chosen.name, _joints(robot, chosen),
-        _parameters(model, better, chosen, searched), _explained(residual.residual, torque),
+        _parameters(model, better, chosen, searched),
+        _explained(without, partial - torque, residual.weights > 0.0),
         _evidence(residual, trace, step, again, torque), _alternatives(robot, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
@@ -90,7 +91,7 @@ def refuted(findings, joints, before, after):
              if new > _WORSE * old}
     kept, told = [], []
     for finding in findings:
-        name = joints[int(np.argmax(finding.explained))]
+        name = _main_joint(finding, joints)
         if finding.verdict == CONFIRMED and not finding.recording and name in worse \
                 and finding.name != UNKNOWN:
             old, new = worse[name]
@@ -99,6 +100,11 @@ def refuted(findings, joints, before, after):
                         f'kept for the test rose from {old:.3g} to {new:.3g} Nm')
         kept.append(finding)
     return tuple(kept), tuple(told)
+
+
+def _main_joint(finding, joints):
+    """Return the name of the finding's own joint that it explains best."""
+    return max(finding.joints, key=lambda name: finding.explained[joints.index(name)])
 
 
 def _evidence(residual, trace, step, again, torque):
@@ -122,9 +128,10 @@ def separating_motion(residual, chosen, alternatives):
     return advice(chosen.name, alternatives)
 
 
-def _explained(residual, torque):
-    whole = np.maximum((residual ** 2).mean(axis=0), 1e-12)
-    return np.clip(1.0 - ((residual - torque) ** 2).mean(axis=0) / whole, 0.0, 1.0)
+def _explained(without, left, rows):
+    """Return the share (n,) of the variance left without an effect that goes with it."""
+    before, after = (np.where(rows, values ** 2, 0.0).sum(axis=0) for values in (without, left))
+    return np.clip((before - after) / np.maximum(before, 1e-12), 0.0, 1.0)
 
 
 def _pictures(robot, residual, partial, chosen):
