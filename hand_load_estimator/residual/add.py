@@ -13,7 +13,7 @@ from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN
-from .hypotheses import EFFECT_FACTOR, with_effect
+from .hypotheses import EFFECT_FACTOR, LINK_FACTOR, with_effect
 from .known_recordings import made_from
 
 # What is known of the arm from before stays known, with standard deviations so much wider.
@@ -100,6 +100,9 @@ def _widened(covariance, robot, uses, changed):
     for use, where in effect_slices(robot.n, uses):
         if (use.name, use.joint) in changed:
             variance[where] *= EFFECT_FACTOR ** 2
+    for name, joint in changed:
+        if name == 'link_inertia':
+            variance[10 * joint:10 * joint + 10] *= LINK_FACTOR ** 2
     return np.diag(variance)
 
 
