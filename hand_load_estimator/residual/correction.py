@@ -11,6 +11,8 @@ from .find import use_of
 # What a correction can be a function of, and the field of EffectInput that holds it.
 FUNCTIONS = {'velocity': ('learned_velocity_correction', 'v'),
              'position': ('learned_position_correction', 'q')}
+# What is told of the error of recordings kept for the test: so much less of it, or so much more.
+BETTER, WORSE = 0.95, 1.02
 
 
 def offered(model, findings, evidence, judged):
@@ -39,9 +41,16 @@ def with_correction(diagnosis, correction):
     """Return the Diagnosis with a Correction and a sentence that marks it."""
     if correction is None:
         return diagnosis
-    joints = ', '.join(
-        f'{name} {before:.3g} -> {after:.3g} Nm' for name, before, after in
-        zip(diagnosis.joints, diagnosis.after, correction.after) if after < 0.95 * before)
+    smaller = _changes(diagnosis, correction, lambda before, after: after < BETTER * before)
+    larger = _changes(diagnosis, correction, lambda before, after: after > WORSE * before)
     said = ('model_with_correction.yaml holds a learned function in place of what is unknown; it '
-            f'is no explanation. With it the torque errors are: {joints or "no smaller"}')
+            f'is no explanation. Torque errors that are smaller with it: {smaller}; larger: '
+            f'{larger}')
     return replace(diagnosis, correction=correction, remains=(*diagnosis.remains, said))
+
+
+def _changes(diagnosis, correction, told):
+    """Return in words the errors at joints for which told(before, after) holds."""
+    return ', '.join(
+        f'{name} {before:.3g} -> {after:.3g} Nm' for name, before, after in
+        zip(diagnosis.joints, diagnosis.after, correction.after) if told(before, after)) or 'none'
