@@ -237,6 +237,7 @@ def test_every_picture_is_a_drawn_figure_with_a_text_beside_it(read):
 
 @pytest.mark.parametrize('words', [
     'never used for fitting or choosing', 'the recording tuesday_fast',
+    'what made its joint worse there is suspected',
     'shoulder_lift_joint5.203.101.2231 %',
     'mass [kg]0.4120.122', 'centre of mass [mm]14.16.20',
     '1412 ± 192 nats', 'Needed: 11.2 nats, with 143 hypotheses tried',

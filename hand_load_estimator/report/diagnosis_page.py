@@ -74,7 +74,9 @@ def _tested(diagnosis):
     if diagnosis.left_out:
         text += (f'. Left out of it are {number_text(diagnosis.left_out)} s in which something '
                  'acted from outside, as told below')
-    return f'{text}.'
+    # Recordings that set a verdict are no test of it.
+    return (f'{text}. Verdicts look at it once: what made its joint worse there is suspected, not '
+            'confirmed.')
 
 
 def _errors(diagnosis):
