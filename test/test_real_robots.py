@@ -140,7 +140,7 @@ def report_of(effects, cannot_tell=()):
     return {'schema': 'hand_load/diagnosis/1', 'joints': ['lift', 'twist'],
             'before': {'torque_rmse': [412.345, None]}, 'after': {'torque_rmse': [0.12345, 2.0]},
             'noise_floor': [0.1, None], 'noise_most': [0.1, None],
-            'unexplained': [0.344, None], 'unexplained_most': [0.344, None],
+            'unexplained': [0.344, None], 'unexplained_most': [0.344, None], 'not_named': None,
             'cannot_tell': list(cannot_tell), 'effects': effects}
 
 
@@ -173,6 +173,14 @@ def test_what_is_known_within_limits_only_is_told_with_both():
     lines = table({'arm': report}).splitlines()
     assert '| 0.0564 to 0.1 |' in lines[2] and lines[2].endswith('| 34 to 80 % structure |')
     assert lines[3].endswith('| - | none | not known |')
+
+
+def test_what_structure_without_a_name_follows_is_told():
+    known = [[{'follows': 'velocity', 'share': 0.479}, {'follows': 'time', 'share': 0.06}], []]
+    lines = table({'arm': {**report_of([]), 'not_named': known}}).splitlines()
+    assert lines[2].endswith(
+        '| none | 34 % structure; not named, follows velocity (48 %), time (6 %) |')
+    assert lines[3].endswith('| none | not known |')
 
 
 def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():

@@ -11,8 +11,9 @@ from diagnose_helpers import assert_structure
 from test_diagnosis_report import found, JOINTS, Reader
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
-from hand_load_estimator.report.structure_figures import pairs_svg, SMALLEST, variables_svg
+from hand_load_estimator.report.structure_figures import pairs_svg, variables_svg
 from hand_load_estimator.residual.diagnosis import Structure
+from hand_load_estimator.residual.not_named import not_named, sentences_on, SMALLEST
 from hand_load_estimator.residual.structure import ORDER
 
 ELBOW, WRIST = 2, 4
@@ -46,6 +47,23 @@ def written(svg):
     parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
     return [node.text.strip() for node in ElementTree.fromstring(svg, parser).iter()
             if node.tag is ElementTree.Comment]
+
+
+def test_structure_without_a_name_is_told_with_what_it_follows():
+    left = side(0.6), side(0.6)
+    told = not_named(left, JOINTS)
+    assert told[ELBOW] == (('position', 0.6),)
+    assert told[WRIST] == (('the motion of elbow_joint', 0.3),)
+    # Shares count of the structure before, and hardly any of it is left.
+    assert not_named((side(4.0), side(0.01)), JOINTS)[ELBOW] == ()
+    # No more than chance, too little for a sentence, not known.
+    assert [told[j] for j in (0, 1, 3, 5)] == [()] * 4
+    assert sentences_on(left, JOINTS) == (
+        'elbow_joint: structure not named follows position (60 %)',
+        'wrist_2_joint: structure not named follows the motion of elbow_joint (30 %)')
+    content = diagnosis_json.diagnosis_content(diagnosis(after=0.6))['not_named']
+    assert content[ELBOW] == [{'follows': 'position', 'share': 0.6}] and content[0] == []
+    assert diagnosis_json.diagnosis_content(found())['not_named'] is None
 
 
 def test_json_has_every_variable_and_pair_with_its_chance():

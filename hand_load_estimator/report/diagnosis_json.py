@@ -2,6 +2,8 @@
 
 import math
 
+from ..residual.not_named import not_named
+
 SCHEMA = 'hand_load/diagnosis/1'
 
 
@@ -86,6 +88,14 @@ def _structure(structure):
             'before': _side(before), 'after': _side(after)}
 
 
+def _not_named(diagnosis):
+    """Return for each joint what structure without a name follows, with its share of it."""
+    if diagnosis.structure is None:
+        return None
+    return [[{'follows': what, 'share': share} for what, share in found]
+            for found in not_named(diagnosis.structure, diagnosis.joints)]
+
+
 def _learned(fine_tuning):
     if fine_tuning is None:
         return {'done': 'kept'}
@@ -117,5 +127,6 @@ def diagnosis_content(diagnosis):
         'correction': None if diagnosis.correction is None else {
             'model': 'model_with_correction.yaml',
             'torque_rmse': _numbers(diagnosis.correction.after)},
+        'not_named': _not_named(diagnosis),
         'structure': _structure(diagnosis.structure), 'learned': _learned(diagnosis.fine_tuning),
         'seconds': _number(diagnosis.seconds)}

@@ -2,18 +2,12 @@
 
 import numpy as np
 
+from ..residual.not_named import real
 from .svg import svg_of
 
-# Less than this share is not worth a mark.
-SMALLEST = 0.01
 _DARK = 0.55             # share from which on a cell's figure is written in white
 _ROW, _NAMES = 0.3, 1.5  # [inch] a row of cells, and all that stands around a map
 _PANEL = 0.35            # [inch] title of one map
-
-
-def real(share, chance):
-    """Tell which shares are no chance and worth a word."""
-    return (share > chance) & (share >= SMALLEST)
 
 
 def _shorter(name):

@@ -1,22 +1,15 @@
 """The section of a diagnosis page on where the residual lives, before and after."""
 
+from ..residual.not_named import follows
 from .page_parts import html_image, html_table
-from .structure_figures import pairs_svg, real, variables_svg
+from .structure_figures import pairs_svg, variables_svg
 from .words import items_html, label_html, list_text, number_text, share_text
-
-# At most so many variables are named for a joint; the map shows all.
-_NAMED = 3
 
 
 def _follows(side, joints, j):
     """Return the variables and other joints that foretell joint j's residual, in words."""
-    found = [(side.share[name][j], name) for name in side.share
-             if real(side.share[name][j], side.chance[name][j])]
-    found += [(side.pairs[j, i], f'the motion of {label_html(other)}')
-              for i, other in enumerate(joints)
-              if i != j and real(side.pairs[j, i], side.pairs_chance[j, i])]
-    named = sorted(found, key=lambda pair: -pair[0])[:_NAMED]
-    return list_text(f'{name} ({share_text(min(share, 1.0))})' for share, name in named)
+    return list_text(f'{label_html(name)} ({share_text(share)})'
+                     for name, share in follows(side, joints, j))
 
 
 def _rows(joints, before, after):

@@ -20,6 +20,7 @@ from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
 from .load_change import load_change
+from .not_named import sentences_on
 from .rest import rest_of
 from .structure import structures
 from .trace import Trace
@@ -85,8 +86,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts, structure=structure, sliding=_sliding(better, test),
-        noise_most=rest_of_test.most), correction), better
+        remains=doubts + sentences_on(structure, model.robot.joints), structure=structure,
+        sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
 
 
 def _residual(model, evidence):

@@ -46,9 +46,18 @@ def rows_of(name, report):
     return rows
 
 
+def _follows(joint, report):
+    """Return in words what structure of a joint follows that no effect explains, or nothing."""
+    if report['not_named'] is None:
+        return []
+    found = report['not_named'][report['joints'].index(joint)]
+    words = ', '.join(f'{one["follows"]} ({_percent(one["share"])} %)' for one in found)
+    return [f'not named, follows {words}'] if words else []
+
+
 def _left(joint, share, report):
     """Return what is left of a joint, and what the report cannot tell of it."""
-    left = [_structure(*share)]
+    left = [_structure(*share), *_follows(joint, report)]
     others = [name for name in report['joints'] if name != joint]
     # A sentence without a joint's name speaks of them all: it stands below the table.
     left += [_cell(sentence) for sentence in report['cannot_tell']
