@@ -60,7 +60,7 @@ def _finding(models, residual, trace, step, again, blocks, odd, searched):
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),
-        _explained(without, partial - torque, residual.weights > 0.0),
+        _explained(without, partial - torque, residual.weights),
         _evidence(residual, trace, step, again, torque), _alternatives(robot, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
@@ -128,9 +128,10 @@ def separating_motion(residual, chosen, alternatives):
     return advice(chosen.name, alternatives)
 
 
-def _explained(without, left, rows):
+def _explained(without, left, weights):
     """Return the share (n,) of the variance left without an effect that goes with it."""
-    before, after = (np.where(rows, values ** 2, 0.0).sum(axis=0) for values in (without, left))
+    # At rest friction hides everything: such rows weigh little.
+    before, after = ((weights * values ** 2).sum(axis=0) for values in (without, left))
     return np.clip((before - after) / np.maximum(before, 1e-12), 0.0, 1.0)
 
 
