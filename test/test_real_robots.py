@@ -179,7 +179,7 @@ def test_what_structure_without_a_name_follows_is_told():
     known = [[{'follows': 'velocity', 'share': 0.479}, {'follows': 'time', 'share': 0.06}], []]
     lines = table({'arm': {**report_of([]), 'not_named': known}}).splitlines()
     assert lines[2].endswith(
-        '| none | 34 % structure; not named, follows velocity (48 %), time (6 %) |')
+        '| none | 34 % structure; not named: follows velocity (48 %), time (6 %) |')
     assert lines[3].endswith('| none | not known |')
 
 

@@ -54,14 +54,18 @@ def test_structure_without_a_name_is_told_with_what_it_follows():
     told = not_named(left, JOINTS)
     assert told[ELBOW] == (('position', 0.6),)
     assert told[WRIST] == (('the motion of elbow_joint', 0.3),)
-    # Shares count of the structure before, and hardly any of it is left.
-    assert not_named((side(4.0), side(0.01)), JOINTS)[ELBOW] == ()
+    # Shares count of what is left; those of a Structure count of what there was before.
+    fewer = not_named((side(0.6), side(0.3)), JOINTS)[ELBOW]
+    was, now = (1.0 + 1.4 * share for share in (0.6, 0.3))
+    assert fewer == (('position', pytest.approx(0.3 * (was ** 2 - 1.0) / (now ** 2 - 1.0))),)
+    assert not_named((side(0.6), side(0.02)), JOINTS)[ELBOW] == ()
     # No more than chance, too little for a sentence, not known.
     assert [told[j] for j in (0, 1, 3, 5)] == [()] * 4
     assert sentences_on(left, JOINTS) == (
-        'elbow_joint: structure not named follows position (60 %)',
-        'wrist_2_joint: structure not named follows the motion of elbow_joint (30 %)')
-    content = diagnosis_json.diagnosis_content(diagnosis(after=0.6))['not_named']
+        'elbow_joint: structure not named: follows position (60 %)',
+        'wrist_2_joint: structure not named: follows the motion of elbow_joint (30 %)')
+    both = diagnosis(before=0.6, after=0.6)
+    content = diagnosis_json.diagnosis_content(both)['not_named']
     assert content[ELBOW] == [{'follows': 'position', 'share': 0.6}] and content[0] == []
     assert diagnosis_json.diagnosis_content(found())['not_named'] is None
 

@@ -34,18 +34,22 @@ def not_named(structure, joints):
     """
     Return for each joint what its residual follows that no effect explains, as of follows.
 
-    structure: (Structure before, Structure after), as of structures.
+    structure: (Structure before, Structure after), as of structures; shares count of the structure
+    that is left.
     """
     before, after = structure
-    # Shares count of the structure there was before.
-    weight = np.maximum(before.structured, LEAST) * (before.rms / after.rms) ** 2
-    return tuple(tuple(pair for pair in follows(after, joints, j)
-                       if pair[1] * weight[j] >= WEIGHTY) for j in range(len(joints)))
+    was, left = (np.maximum(side.structured, LEAST) for side in structure)
+    # Those of a Structure count of what there was before.
+    grown = was / left * (before.rms / after.rms) ** 2
+    found = [[(what, min(share * grown[j], 1.0)) for what, share in follows(after, joints, j)]
+             for j in range(len(joints))]
+    return tuple(tuple(pair for pair in pairs if pair[1] * part >= WEIGHTY)
+                 for pairs, part in zip(found, left))
 
 
 def sentences_on(structure, joints):
     """Return a sentence for each joint with structure that is not named."""
-    return tuple(f'{name}: structure not named follows {_listed(found)}' for name, found in
+    return tuple(f'{name}: structure not named: follows {_listed(found)}' for name, found in
                  zip(joints, not_named(structure, joints)) if found)
 
 

@@ -52,7 +52,7 @@ def _follows(joint, report):
         return []
     found = report['not_named'][report['joints'].index(joint)]
     words = ', '.join(f'{one["follows"]} ({_percent(one["share"])} %)' for one in found)
-    return [f'not named, follows {words}'] if words else []
+    return [f'not named: follows {words}'] if words else []
 
 
 def _left(joint, share, report):
