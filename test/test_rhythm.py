@@ -87,7 +87,8 @@ def test_what_is_left_is_confirmed_where_it_rings(size, verdict):
     x = SimpleNamespace(v=speed, a=np.gradient(speed, STEP, axis=0), q=speed, gear=speed)
     residual = SimpleNamespace(
         x=x, dt=dt, owner=owner, moving=np.ones(rest.shape, dtype=bool),
-        weights=np.ones(rest.shape), starts=np.arange(0, len(rest), 250), noise=noise.std(axis=0),
+        weights=np.ones(rest.shape), starts=np.arange(0, len(rest), 250),
+        observations=len(rest) // 250, noise=noise.std(axis=0),
         residual=rest, torque=rest)
     model = SimpleNamespace(robot=SimpleNamespace(n=JOINTS, joints=joints))
     trace = SimpleNamespace(steps=(), trials=1000, needed=NEEDED / 4.0)

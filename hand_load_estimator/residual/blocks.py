@@ -17,8 +17,8 @@ class Score:
     """
     How a hypothesis does on held-out blocks.
 
-    gain, std [nats]; by_block (B,) [nats]; theta, covariance (k,), (k, k): fit on all blocks, in
-    units of the prior; by_joint {joint: nats}.
+    gain, std [nats]; by_block (G,) [nats], blocks of one group together; theta, covariance (k,),
+    (k, k): fit on all blocks, in units of the prior; by_joint {joint: nats}.
     """
 
     gain: float
@@ -34,12 +34,14 @@ class Blocks:
     Residual, weights and nuisances of n joints, cut into blocks.
 
     residual, weights (N, n); nuisances: list of (N, R_j); starts (B,): first row of each block;
-    folds (B,): fold of each block.
+    folds (B,): fold of each block; groups (B,): from 0, blocks that are one observation, or None
+    where each is one.
     """
 
-    def __init__(self, residual, weights, nuisances, starts, folds):
+    def __init__(self, residual, weights, nuisances, starts, folds, groups=None):
         self.residual, self.weights, self.nuisances = residual, weights, list(nuisances)
         self.starts, self.folds = starts, folds
+        self._groups = np.arange(len(starts)) if groups is None else groups
         self._ends = np.append(starts[1:], len(residual))
         self._joints = [self._joint(j) for j in range(residual.shape[1])]
 
@@ -74,6 +76,7 @@ class Blocks:
                 gains[test] += gain
                 by_joint[j] += gain.sum()
         theta, covariance, _ = self._fit(sums, np.ones(len(self.starts), dtype=bool))
+        gains = np.bincount(self._groups, gains)
         std = np.sqrt(len(gains)) * gains.std()
         return Score(gains.sum(), std, gains, theta, covariance, by_joint)
 

@@ -16,6 +16,7 @@ from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
 from .find import find_residual
 from .findings import findings_of, refuted
+from .folds import only_suspected, repeated
 from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
@@ -75,9 +76,12 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, model.robot.joints, before, after)
+    if residual.cut.shown is not None:
+        findings = only_suspected(findings)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*by_name, *sentences, *still.values(), *limited,
+              *repeated(residual.cut, evidence, test),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))

@@ -14,9 +14,9 @@ from ..torque_columns import (as_reported, EffectUse, lateness, motion_input, pl
                               tilt_columns, torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
+from .folds import Cut, cut_into_blocks, UNCUT
+from .repeats import first_shown
 
-# Blocks [s] outlast what colours the residual, and recordings give a good number of them.
-BLOCK, FEWEST_BLOCKS = 4.0, 12
 # Information, in units of the prior's, from which on a direction of the parameters counts.
 TOLD = 0.1
 # A model made without an effect took it for noise. What is left may be so many times denser at low
@@ -35,8 +35,8 @@ class Residual:
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
     [1/(Nm^2 s) s]; turning (N, n): weights that count reversals as much as sliding, for what tells
     how friction turns; columns Y (N, n, P) of the model; dt, time (N,) [s]; messages (N,):
-    joint states of each row; owner (N,): recording; starts, folds (B,) of its blocks; moving
-    (N, n): where joints slide; sliding (N, n): where they slide by the watch's stricter measure
+    joint states of each row; owner (N,): part of a recording; cut: into blocks; moving (N, n):
+    where joints slide; sliding (N, n): where they slide by the watch's stricter measure
     (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
     by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise.
     """
@@ -50,13 +50,27 @@ class Residual:
     time: np.ndarray
     messages: np.ndarray
     owner: np.ndarray
-    starts: np.ndarray
-    folds: np.ndarray
+    cut: Cut
     moving: np.ndarray
     sliding: np.ndarray
     expected: np.ndarray
     noise: np.ndarray
     _paths: dict = field(default_factory=dict)
+
+    @property
+    def starts(self):
+        """First rows (B,) of the blocks."""
+        return self.cut.starts
+
+    @property
+    def folds(self):
+        """Folds (B,) of the blocks."""
+        return self.cut.folds
+
+    @property
+    def observations(self):
+        """Number of groups of blocks: repetitions of one motion are one."""
+        return int(self.cut.groups.max()) + 1
 
     def friction_state(self, distance, power):
         """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
@@ -85,7 +99,8 @@ class Residual:
         count, n = self.residual.shape
         nuisances = [np.zeros((count, 0)) if root is None else self._leading(j, root)
                      for j in range(n)]
-        return Blocks(self.residual, self.weights, nuisances, self.starts, self.folds)
+        return Blocks(self.residual, self.weights, nuisances, self.starts, self.folds,
+                      self.cut.groups)
 
     def _leading(self, j, root):
         """Return (N, R): directions of the parameters that joint j tells anything about."""
@@ -105,11 +120,11 @@ def find_residual(model, evidence, cut=True):
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
     recording = np.array(recording_numbers(evidence))[owner]
-    uncut = np.zeros(1, int), np.zeros(1, int)
-    starts, folds = _cut(joined['dt'], owner, recording) if cut else uncut
+    pieces = cut_into_blocks(joined['dt'], owner, recording, first_shown(
+        x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
-    return Residual(x, owner=owner, starts=starts, folds=folds, noise=noise,
+    return Residual(x, owner=owner, cut=pieces, noise=noise,
                     expected=_expected(model, joined['columns'], x), **joined)
 
 
@@ -164,24 +179,6 @@ def _complete(model, x, columns, dt, held):
     return replace(x, gear=gear, drive=predicted, rate=rate, late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
                    tilt=tilt_columns(robot, model.layout, x.q, model.mean))
-
-
-def _cut(dt, owner, recording):
-    """Return the first rows of blocks and their folds: recordings, or spans of time."""
-    total = float(dt.sum())
-    length = min(BLOCK, total / FEWEST_BLOCKS)
-    starts, recordings = [], []
-    for k in np.unique(owner):
-        rows = np.flatnonzero(owner == k)
-        blocks = max(1, round(float(dt[rows].sum()) / length))
-        first = rows[0] + (np.arange(blocks) * len(rows)) // blocks
-        starts.extend(first)
-        recordings.extend([recording[rows[0]]] * blocks)
-    starts = np.array(starts)
-    # Leaving recordings out tests other temperatures too; few recordings are cut in time.
-    several = len(np.unique(recording)) >= 3
-    folds = np.array(recordings) if several else np.arange(len(starts)) * 6 // len(starts)
-    return starts, folds
 
 
 def use_of(name, joint, shape):

@@ -111,7 +111,7 @@ def _evidence(residual, trace, step, again, torque):
     rms = float(np.sqrt(np.mean(torque ** 2, axis=0)).max())
     rival = step.next_best
     return Evidence(float(again.gain), float(again.std), float(step.needed),
-                    len(residual.starts), trace.trials, rms, rival and rival.name,
+                    residual.observations, trace.trials, rms, rival and rival.name,
                     rival and float(step.chosen.gain - rival.gain))
 
 

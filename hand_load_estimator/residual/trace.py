@@ -243,7 +243,8 @@ class Trace:
         hypothesis, r = candidate.parts[0][0], self._residual
         if not turns(hypothesis) or candidate.gain < PLENTY:
             return candidate
-        blocks = Blocks(r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds)
+        blocks = Blocks(r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds,
+                        r.cut.groups)
         own = [hypothesis, *other_ways(hypothesis, self._model, r)]
         pairs = [(trial, blocks.evaluate(trial.columns)) for trial in own]
         # A shape that is not there without need must pay for itself.

@@ -50,7 +50,7 @@ def unknown_left(model, residual, rest, left, trace):
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
     follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
-    chance = Evidence(np.nan, np.nan, np.nan, len(residual.starts), trace.trials, np.nan)
+    chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trace.trials, np.nan)
     found = [_finding(model, residual, rest, [j], variable, chance)
              for j, (variable, share) in follows.items() if share > FOLLOWS]
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
