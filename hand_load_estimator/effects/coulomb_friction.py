@@ -9,4 +9,4 @@ def _columns(x, j, _):
 
 COULOMB_FRICTION = Effect(
     'coulomb_friction', 'constant against the motion', 'Coulomb 1785', (('level', 'Nm'),), (0.1,),
-    _columns, default=True)
+    _columns, default=True, positive=(0,))

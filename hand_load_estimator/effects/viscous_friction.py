@@ -9,4 +9,5 @@ def _columns(x, j, _):
 
 VISCOUS_FRICTION = Effect(
     'viscous_friction', 'in proportion to velocity', 'Armstrong-Helouvry et al. 1994',
-    (('coefficient', 'Nm s/rad'),), (0.1,), _columns, default=True)
+    (('coefficient', 'Nm s/rad'),), (0.1,), _columns, default=True,
+    positive=(0,))

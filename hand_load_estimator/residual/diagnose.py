@@ -17,6 +17,7 @@ from .disturbance_findings import disturbance_findings
 from .find import find_residual
 from .findings import findings_of, refuted
 from .folds import only_suspected, repeated
+from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
                      too_little_gained, warmed_joints)
@@ -76,6 +77,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + disturbance_findings(model.robot, names, whole, outside.found, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, model.robot.joints, before, after)
+    findings, wrong = on_wrong_footing(findings, model.robot.joints, model, better)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
     progress('telling where the residual lives')
@@ -90,7 +92,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + sentences_on(structure, model.robot.joints), structure=structure,
+        remains=wrong + doubts + sentences_on(structure, model.robot.joints),
+        structure=structure,
         sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
 
 

@@ -11,6 +11,7 @@ from ..effects.own_travel import OWN_TRAVEL
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
+from .impossible import SURE
 from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
@@ -296,12 +297,19 @@ def physical(hypothesis, score, declared):
     """
     Tell whether the fitted parameters are what the effect's physics allows.
 
-    declared: the model has the effect, so that only its change was fitted.
+    declared: mean and std (k,) of the model's parameters where it has the effect already, so that
+    only their change was fitted, or None.
     """
-    if hypothesis.name not in EFFECTS or declared:
+    if hypothesis.name not in EFFECTS:
         return True
     theta, std = score.theta, np.sqrt(np.diag(score.covariance))
-    positive = all(theta[k] > 2.0 * std[k] for k in EFFECTS[hypothesis.name].positive)
+    if declared is not None:
+        total, doubt = (theta + declared[0] / hypothesis.scale,
+                        np.hypot(std, declared[1] / hypothesis.scale))
+        # With another shape it is no change of what was there.
+        return bool(hypothesis.shape) or not any(
+            total[k] < -SURE * doubt[k] for k in EFFECTS[hypothesis.name].positive)
+    positive = all(theta[k] > SURE * std[k] for k in EFFECTS[hypothesis.name].positive)
     if hypothesis.name == 'time_delay':
         share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
         return abs(share - 1.0) < np.clip(3.0 * doubt, WHOLE, DOUBTFUL)

@@ -57,7 +57,9 @@ class Trace:
         self.blocks = residual.blocks(root)
         self.steps, self.drifted, self.trials = [], [], 0
         self.nearly, self.needed = [], 0.0
-        self._declared = {(u.name, u.joint) for u in model.uses}
+        std = np.sqrt(np.diag(model.covariance))
+        self._declared = {(use.name, use.joint): (model.mean[where], std[where])
+                          for use, where in model.slices()}
         self._scores, self._taken = {}, set()
 
     def run(self):
@@ -167,7 +169,7 @@ class Trace:
         unknown = {j for name, j, _ in self._taken if name == UNKNOWN}
         scores = [pair for key, pair in self._scores.items()
                   if key not in self._taken and not unknown & set(pair[0].columns)
-                  and physical(*pair, (pair[0].name, pair[0].joint) in self._declared)]
+                  and physical(*pair, self._declared.get((pair[0].name, pair[0].joint)))]
         singles = [single(*pair) for pair in scores if pair[0].joint is not None]
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
@@ -279,4 +281,4 @@ class Trace:
 def _rank(hypothesis, score, more=0.0):
     """Return what the better of two shapes has more of: sense, then nats."""
     # Of a short delay only its product with the share shows: the share is to be a whole.
-    return hypothesis.name != 'time_delay' or physical(hypothesis, score, False), score.gain + more
+    return hypothesis.name != 'time_delay' or physical(hypothesis, score, None), score.gain + more
