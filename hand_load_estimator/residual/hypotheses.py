@@ -65,7 +65,8 @@ def hypotheses(model, residual, blocks, warmed, done=()):
     n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
     for j in range(n):
         for name, effect in EFFECTS.items():
-            if effect.whole_arm or effect.learned or (name, j, '') in done:
+            if effect.whole_arm or effect.learned or (name, j, '') in done \
+                    or not _seen(model, effect, j):
                 continue
             if j in warmed or 'warmth' not in effect.needs:
                 yield from _of_effect(model, residual, blocks, effect, j)
@@ -78,6 +79,12 @@ def hypotheses(model, residual, blocks, warmed, done=()):
             yield from _in_common(model, residual, EFFECTS[name], warmed)
     if ('base_tilt', 0, '') not in done:
         yield _tilt(model, residual)
+
+
+def _seen(model, effect, j):
+    """Tell whether the torque shows an effect: behind the gear, what is before it only if told."""
+    return model.robot.effort.kind != 'link_torque' or effect.in_link_torque \
+        or any((use.name, use.joint) == (effect.name, j) for use in model.uses)
 
 
 def _of_effect(model, residual, blocks, effect, j):
