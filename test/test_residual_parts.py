@@ -17,8 +17,8 @@ from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.blocks import Blocks
 from hand_load_estimator.residual.candidate import Candidate
-from hand_load_estimator.residual.confusable import (advice, NO_MOTION, PAIRS, partners,
-                                                     same_torque)
+from hand_load_estimator.residual.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION,
+                                                     PAIRS, partners, same_torque)
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.residual.diagnosis import Finding
 from hand_load_estimator.residual.findings import refuted, separating_motion
@@ -231,8 +231,17 @@ def test_pairs_of_the_design_are_known_with_a_motion():
         assert pair[1] in partners(pair[0]) and pair[0] in partners(pair[1])
         assert len(advice(pair[0], [pair[1]])) > 20
         assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
-    assert advice('torque_ripple', []) == '' and advice('coulomb_friction', ['base_tilt']) == ''
     assert all(len(pair) == 2 for pair in PAIRS)
+
+
+def test_advice_says_so_where_no_motion_is_known():
+    assert advice('torque_ripple', []) == ''
+    assert advice('coulomb_friction', ['base_tilt']) == f'{NO_KNOWN_MOTION} base_tilt'
+    both = advice('cable_drag', ['gravity_spring', 'backlash'])
+    assert both.startswith('move the joint over a whole turn') and both.endswith(' backlash')
+    assert 'in several poses' in advice('cable_drag', ['base_tilt'])
+    # Its own name on other joints is no effect to be told from.
+    assert advice('cable_drag', ['cable_drag']) == ''
 
 
 def test_effects_of_the_same_torque_are_told():

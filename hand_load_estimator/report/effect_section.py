@@ -5,7 +5,7 @@ from html import escape
 
 from ..effects import EFFECTS
 from ..effects.knee import KNEE
-from ..residual.confusable import NO_MOTION
+from ..residual.confusable import NO_KNOWN_MOTION, NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .diagnosis_figures import effect_svg
 from .page_parts import html_image, html_table
@@ -169,7 +169,7 @@ def _advice(finding):
     if not finding.advice:
         return ''
     text = f'{escape(finding.advice.rstrip("."))}.'
-    if finding.name == UNKNOWN or finding.advice.startswith(NO_MOTION):
+    if finding.name == UNKNOWN or finding.advice.startswith((NO_MOTION, NO_KNOWN_MOTION)):
         return as_sentence(text)
     return f'A motion that would: {text}'
 

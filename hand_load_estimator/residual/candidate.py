@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .confusable import named_together
+
 # Standard errors that a gain, or a difference of two, must be beyond chance.
 SIGMAS = 3.0
 # Or it gains in this share of the blocks in which it acts, that is moves the likelihood by more
@@ -151,4 +153,5 @@ def alike(best, other):
 
     The lesser of them must be more than chance itself.
     """
-    return significant(other) and not significant(ahead(best, other))
+    return significant(other) and (not significant(ahead(best, other))
+                                   or named_together(best, other))

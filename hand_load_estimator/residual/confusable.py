@@ -4,7 +4,19 @@ import numpy as np
 
 # What is said of effects that ask for the same torque in every motion of the arm as it stands.
 NO_MOTION = 'no motion of the arm in this mounting separates'
+# What is said of effects that have been found alike and of which nobody knows how to part them.
+NO_KNOWN_MOTION = 'no motion is known that separates it from'
 _SAME = 1e-6  # [-] of a column's length that may be left of it
+# Of two that DESIGN section 4 calls hard to tell apart, both are named where the lesser gains at
+# least this share: their formulas are no exacter than that, whatever the blocks prefer.
+CLOSE = 0.95
+_DESIGN = tuple(map(frozenset, (
+    ('gravity_spring', 'link_inertia'), ('gravity_spring', 'cable_drag'),
+    ('presliding_hysteresis', 'stribeck_friction'), ('base_tilt', 'link_inertia'),
+    ('temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'))))
+# Gravity's torque on a joint changes with the joints before it, that of its own parts does not.
+_OTHER_POSES = ('move the joint over the same range with the joints before it in several poses: '
+                'what sits at the joint stays, gravity does not')
 
 # Pairs that recordings may not separate, with the motion that would.
 PAIRS = {
@@ -22,6 +34,47 @@ PAIRS = {
     frozenset({'base_tilt', 'link_inertia'}):
         'turn the first joint through a whole turn with the arm stretched out: a leaning base '
         'shows once per turn, a heavier link does not',
+    frozenset({'base_tilt', 'cable_drag'}): _OTHER_POSES,
+    frozenset({'base_tilt', 'gravity_spring'}): _OTHER_POSES,
+    frozenset({'base_tilt', 'torque_offset'}): _OTHER_POSES,
+    frozenset({'cable_drag', 'link_inertia'}): _OTHER_POSES,
+    frozenset({'link_inertia', 'torque_offset'}): _OTHER_POSES,
+    frozenset({'cable_drag', 'torque_offset'}):
+        'move the joint over its whole range: an offset stays, a cable does not',
+    frozenset({'gravity_spring', 'torque_offset'}):
+        'move the joint over its whole range: an offset stays, a spring does not',
+    frozenset({'base_tilt', 'torque_scale'}):
+        'hold a known load: a wrong gain misreads it, a leaning base does not',
+    frozenset({'cable_drag', 'torque_scale'}):
+        'hold a known load: a wrong gain misreads it, a cable does not',
+    frozenset({'gravity_spring', 'torque_scale'}):
+        'hold a known load: a wrong gain misreads it, a spring does not',
+    frozenset({'load_dependent_friction', 'torque_scale'}):
+        'move the joint slowly there and back in poses of large gravity torque: friction turns, '
+        'a gain does not',
+    frozenset({'load_dependent_friction', 'presliding_hysteresis'}):
+        'reverse the joint over a few milliradians in poses of small and of large gravity torque',
+    frozenset({'load_dependent_friction', 'stribeck_friction'}):
+        'move the joint at constant speeds from very slow to fast, in poses of small and of large '
+        'gravity torque',
+    frozenset({'load_dependent_friction', 'viscous_friction'}):
+        'move the joint at several constant speeds in poses of small and of large gravity torque',
+    frozenset({'stribeck_friction', 'viscous_friction'}):
+        'move the joint at constant speeds from very slow to fast',
+    frozenset({'coulomb_friction', 'viscous_friction'}):
+        'move the joint at constant speeds from slow to fast',
+    frozenset({'backlash', 'presliding_hysteresis'}):
+        'reverse the joint where gravity keeps loading its gear to one side: play does not show '
+        'there, friction turns all the same',
+    frozenset({'time_delay', 'viscous_friction'}):
+        'move the joint at one speed where gravity\'s torque changes with its position and where '
+        'it does not: a delay shows in the first only',
+    frozenset({'torque_scale', 'torque_offset'}):
+        'hold still in poses of small and of large gravity torque, to both sides',
+    frozenset({'temperature_dependent_coulomb_friction', 'torque_scale_temperature'}):
+        'hold a known load still, cold and warm: a gain misreads it, friction does not',
+    frozenset({'coulomb_friction', 'temperature_dependent_coulomb_friction'}):
+        'record cold and warm, at several constant speeds',
     frozenset({'torque_offset', 'friction_asymmetry'}):
         'move the joint back and forth at several speeds, and hold it still between',
     frozenset({'torque_ripple', 'cable_drag'}):
@@ -53,9 +106,18 @@ def partners(name):
 
 
 def advice(name, others):
-    """Return the motions (a sentence each) that separate an effect from others."""
+    """Return the motions (a sentence each) that separate an effect from others, and if none is."""
+    others = [other for other in dict.fromkeys(others) if other != name]
     found = [PAIRS[pair] for other in others if (pair := frozenset({name, other})) in PAIRS]
+    without = [other for other in others if frozenset({name, other}) not in PAIRS]
+    if without:
+        found.append(f'{NO_KNOWN_MOTION} {", ".join(without)}')
     return '; '.join(dict.fromkeys(found))
+
+
+def named_together(best, other):
+    """Tell whether the lesser of two Candidates is named too, as DESIGN's sets are if close."""
+    return frozenset({best.name, other.name}) in _DESIGN and other.gain > CLOSE * best.gain
 
 
 def same_torque(simple, other):

@@ -50,7 +50,7 @@ def _named(effect, k, mean, std):
 
 def on_wrong_footing(findings, joints, model, better):
     """
-    Return (Findings, sentences): suspected is what mainly acts where the better model is impossible.
+    Return (Findings, sentences): suspected is what mainly acts where the better model is wrong.
 
     joints: names (n,).
     """

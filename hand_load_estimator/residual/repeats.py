@@ -64,8 +64,8 @@ def share_shown(evidence, test):
 def _spaced(time, moving, owner):
     """Return the rows to compare: while the arm moves, STEP apart."""
     rows = np.flatnonzero(moving)
-    new = (np.diff(time[rows] // STEP, prepend=-1.0) != 0) | (np.diff(owner[rows], prepend=-1) != 0)
-    return rows[new]
+    tick, part = time[rows] // STEP, owner[rows]
+    return rows[(np.diff(tick, prepend=-1.0) != 0) | (np.diff(part, prepend=-1) != 0)]
 
 
 def _scaled(q, v):
