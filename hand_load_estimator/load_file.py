@@ -1,4 +1,9 @@
-"""Read a load file: `none`, or mass with optional com and inertia, in the load frame."""
+"""
+Read a load file: `none`, or mass with optional com and inertia, in the load frame.
+
+`assumed: true` says that the load was not weighed but concluded from the torques: good enough to
+identify a model with, no truth to judge an estimate by.
+"""
 
 from pathlib import Path
 
@@ -8,6 +13,8 @@ import yaml
 from .configuration import Section, read_yaml
 from .errors import ConfigurationError
 from .load import LoadParameters
+
+ASSUMED = 'assumed'
 
 
 def parse_load(section):
@@ -31,11 +38,18 @@ def parse_load(section):
 
 
 def read_load_file(path):
-    """Return (load, known) of a load.yaml; raises ConfigurationError."""
+    """
+    Return (load, known) of a load.yaml; raises ConfigurationError.
+
+    known holds ASSUMED, too, where the file says so.
+    """
     path = Path(path)
     if path.is_file() and path.read_text(encoding='utf-8', errors='replace').strip() == 'none':
         return LoadParameters(), ('mass', 'com', 'inertia')
-    return parse_load(Section(read_yaml(path), path))
+    section = Section(read_yaml(path), path)
+    assumed = section.has(ASSUMED) and section.flag(ASSUMED)
+    load, known = parse_load(section)
+    return load, known + (ASSUMED,) * assumed
 
 
 def write_load_file(path, load):

@@ -54,7 +54,8 @@ class Recording:
     What a recording holds.
 
     path of its folder; samples (JointSample and TemperatureSample) in recorded order; load, the
-    LoadParameters of its load.yaml or None; load_known: which of mass, com, inertia it states.
+    LoadParameters of its load.yaml or None; load_known: which of mass, com, inertia it states,
+    and ASSUMED (load_file.py) where it says so.
     """
 
     path: Path

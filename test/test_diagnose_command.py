@@ -5,6 +5,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 from diagnose_helpers import assert_schema, diagnosed, JOINT, LOAD, model, recorded, TIMES
 import numpy as np
@@ -17,6 +18,8 @@ from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.model_file import read_model
+from hand_load_estimator.residual.diagnosis import Diagnosis
+from hand_load_estimator.residual.load_error import with_load_errors
 
 
 @pytest.fixture(scope='module')
@@ -82,6 +85,16 @@ def test_the_load_is_estimated_better(found):
     error = found['load_error']
     assert error['after']['mass_rmse'] < error['before']['mass_rmse']
     assert error['after']['mass_rmse'] < 0.05 * LOAD.mass
+
+
+def test_an_assumed_load_tells_no_error():
+    run = (SimpleNamespace(name='cell'), SimpleNamespace(load_known=('mass', 'com', 'assumed')),
+           LOAD)
+    zero = np.zeros(4)
+    diagnosis = Diagnosis('four', model().robot.joints, zero, zero, zero, (), zero)
+    with_reason = with_load_errors(diagnosis, model(), model(), [run])
+    assert with_reason.load_before is None and with_reason.load_after is None
+    assert with_reason.load_reason.startswith('the load of cell is assumed, not known')
 
 
 def test_the_model_serves_estimate(folder, found):

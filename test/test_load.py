@@ -222,7 +222,16 @@ def test_what_a_load_file_does_not_say_is_not_known(tmp_path):
     assert load.mass == 0.0 and known == ('mass', 'com', 'inertia')
 
 
+def test_a_load_file_may_say_that_its_load_is_assumed(tmp_path):
+    (tmp_path / 'load.yaml').write_text('mass: 150.0\ncom: [0, 0, 0.1]\nassumed: true\n')
+    load, known = read_load_file(tmp_path / 'load.yaml')
+    assert load.mass == 150.0 and known == ('mass', 'com', 'assumed')
+    (tmp_path / 'load.yaml').write_text('mass: 2.6\nassumed: false\n')
+    assert read_load_file(tmp_path / 'load.yaml')[1] == ('mass',)
+
+
 @pytest.mark.parametrize('text, key', [
+    ('mass: 1.0\nassumed: perhaps\n', 'assumed'),
     ('mass: -1.0\n', 'mass'), ('mass: heavy\n', 'mass'), ('com: [0, 0, 0]\n', 'mass'),
     ('mass: 1.0\ncom: [0, 0]\n', 'com'), ('mass: 1.0\ninertia: [1, 0, 0]\n', 'inertia'),
     ('mass: 1.0\ninertia: [0.01, 0, 0, 0.01, 0, 0.05]\n', 'inertia'),

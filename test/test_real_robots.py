@@ -114,7 +114,8 @@ def test_no_moment_of_one_recording_is_learned_from_and_tested(name, tmp_path):
 @needs_data
 def test_a_linked_run_states_the_load_and_leaves_the_source_alone(tmp_path):
     train, _ = stage(SETS['kr300'], DATA / 'kr300', tmp_path / 'runs')
-    assert read_recording(train[0]).load.mass == 150.0
+    recording = read_recording(train[0])
+    assert recording.load.mass == 150.0 and 'assumed' in recording.load_known
     assert not (DATA / 'kr300' / 'trajectory_A' / 'load.yaml').exists()
 
 
@@ -194,6 +195,14 @@ def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():
 def test_loaded_runs_have_a_table_of_their_own():
     lines = table({'arm': report_of([])}, {'arm': [('run', 2.6, 2.517, 2.532)]}).splitlines()
     assert lines[-1] == '| arm | run | 2.6 | 2.517 -> 2.532 | -83 -> -68 |'
+
+
+def test_assumed_loads_are_told_below_the_table():
+    text = table({'arm': report_of([])}, {}, {'arm': 'none, because the source states none',
+                                              'other': ''})
+    assert text.endswith('\n\n- arm: none, because the source states none\n')
+    assert 'Loads assumed' in text and 'other' not in text
+    assert all(SETS[name].assumed for name in ('ur10', 'lwr4', 'kr300', 'nist_ur5'))
 
 
 def test_a_sentence_cannot_break_the_table():

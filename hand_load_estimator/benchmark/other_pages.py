@@ -7,6 +7,7 @@ from .contestants import REGRESSOR
 from .document import Heading, Picture, Table, Text
 from .measure import MOMENTS, RATE
 from .real import MOMENTS as REAL_MOMENTS
+from .real_sets import SETS
 from .soak import FLAT_MIB, FLAT_TIME
 
 SAMPLES = 1.0 / BLOCK   # [1/s]
@@ -69,6 +70,13 @@ def _draw_delays(figure, methods):
     figure.legend(loc='outside lower center', ncols=3, fontsize='small')
 
 
+def _assumed(content):
+    """Return which loads of the real suite nobody has stated, and what they are taken for."""
+    names = dict.fromkeys(run['set'] for run in content['runs'])
+    return '; '.join(f'{name} {SETS[name].assumed}' for name in names
+                     if name in SETS and SETS[name].assumed) or 'none'
+
+
 def real_blocks(content):
     """Return the blocks of the real suite."""
     names = list(content['methods'])
@@ -81,8 +89,8 @@ def real_blocks(content):
         Text('Every set has its own model, identified from its training runs with the load those '
              'state (none for most); the error is the estimate at the end of a test run less that '
              'mass. It should be zero. Without load, ours are judged before what they publish is '
-             'kept above zero. Set kr300 holds about 150 kg, known only from gravity; the '
-             'load of run load_2600 is known by the file name only.' + left_out_told(content)),
+             'kept above zero. The load of run load_2600 is known by the file name only. '
+             f'Loads assumed: {_assumed(content)}.' + left_out_told(content)),
         Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
                'inside the 95 % interval [%]'], figures),
         Table([f'mass error {REAL_MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]

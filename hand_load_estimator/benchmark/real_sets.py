@@ -6,6 +6,7 @@ import numpy as np
 import yaml
 
 from ..errors import RecordingError
+from ..load_file import ASSUMED
 from ..recording import JointSample, read_recording, RecordingWriter
 
 # Where a set has one recording only: this much of its motion is learned from, the rest tested.
@@ -26,7 +27,8 @@ class RecordingSet:
 
     robot: name in ARMS, or of a robot file shipped with the package; train, test: names of runs
     (without test runs the one train run is cut in two); load: what every run carries, `none` or
-    the content of a load.yaml; motor_side: rotor and gear are in the effort.
+    the content of a load.yaml; motor_side: rotor and gear are in the effort; assumed: what makes
+    that load an assumption, empty where the source states it.
     """
 
     robot: str
@@ -34,6 +36,7 @@ class RecordingSet:
     test: tuple = ()
     load: object = 'none'
     motor_side: bool = True
+    assumed: str = ''
 
     @property
     def effects(self):
@@ -41,6 +44,7 @@ class RecordingSet:
         return BASE_EFFECTS + BEFORE_THE_SENSOR * self.motor_side
 
 
+_UNSTATED = 'none, because the source states none'
 SETS = {
     'ur10e': RecordingSet(
         'ur10e_current',
@@ -50,19 +54,21 @@ SETS = {
         ('ident_20_02_05-20sec_12harm', 'ident_20_02_10-20sec_7harm',
          'ident_20_02_12-40sec_12harm', 'ident_20_02_19_14harm50sec',
          'valid_20_01_17-ptp_10_points')),
-    'ur10': RecordingSet('ur10', ('exciting_trajectory',)),
-    'panda': RecordingSet('panda', ('exciting_trajectory_1',), motor_side=False),
+    'ur10': RecordingSet('ur10', ('exciting_trajectory',), assumed=_UNSTATED),
+    'panda': RecordingSet('panda', ('exciting_trajectory_1',), motor_side=False,
+                          assumed=_UNSTATED),
     # 1 and 2 are one motion twice; 3 is another, faster one.
     'lwr4': RecordingSet('lwr4', ('measurements_1', 'measurements_2'), ('measurements_3',),
-                         motor_side=False),
-    # The load of the gravity torques that the source keeps beside the logs (about.yaml).
+                         motor_side=False, assumed=_UNSTATED),
     # The runs are the source's own choice: A to identify, B and C to validate.
     'kr300': RecordingSet(
         'kr300', ('trajectory_A',), ('trajectory_B', 'trajectory_C'),
-        {'mass': 150.0, 'com': [0.0, 0.0, 0.1]}),
+        {'mass': 150.0, 'com': [0.0, 0.0, 0.1], ASSUMED: True},
+        assumed='150 kg, concluded from the gravity torques that the source keeps beside the logs'),
     'staubli_tx40': RecordingSet('staubli_tx40', ('exciting_trajectory',)),
-    # By its label it holds 0.73 kg, but its currents show no such weight (`hand_load check`).
-    'nist_ur5': RecordingSet('nist_ur5', ('halfspeed_1p6lb_1',)),
+    'nist_ur5': RecordingSet(
+        'nist_ur5', ('halfspeed_1p6lb_1',), assumed='none: the label says 0.73 kg, but the '
+        'currents show no such weight (`hand_load check`)'),
 }
 
 

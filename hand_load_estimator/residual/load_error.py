@@ -7,6 +7,7 @@ import numpy as np
 from ..estimators.bayes import Bayes
 from ..estimators.lstm import Lstm
 from ..joint_stream import JointStream, motion_samples
+from ..load_file import ASSUMED
 from ..model_follower import ModelFollower
 from .diagnosis import LoadError
 
@@ -15,13 +16,20 @@ def with_load_errors(diagnosis, model, better, runs):
     """
     Return the Diagnosis with the errors of load estimates by the two TorqueModels.
 
-    runs: (Evidence, Recording, LoadParameters); those that carry something count. Method `bayes`,
-    which has no learnt part that could hide what the model lacks.
+    runs: (Evidence, Recording, LoadParameters); those that carry something known count. Method
+    `bayes`, which has no learnt part that could hide what the model lacks.
     """
     before = load_error(model, runs)
     if before is None:
-        return replace(diagnosis, load_reason='no test recording with a known load was given')
+        return replace(diagnosis, load_reason=_no_load_error(runs))
     return replace(diagnosis, load_before=before, load_after=load_error(better, runs))
+
+
+def _no_load_error(runs):
+    """Return why there is no error of load estimates."""
+    assumed = [e.name for e, recording, _ in runs if ASSUMED in recording.load_known]
+    return (f'the load of {", ".join(assumed)} is assumed, not known: the model was made with the '
+            'same assumption' if assumed else 'no test recording with a known load was given')
 
 
 def load_error(model, runs, artefact=None):
@@ -30,7 +38,8 @@ def load_error(model, runs, artefact=None):
 
     artefact: method `lstm` with that Artefact instead of `bayes`.
     """
-    loaded = [(recording, load) for _, recording, load in runs if load.mass > 0.0]
+    loaded = [(recording, load) for _, recording, load in runs
+              if load.mass > 0.0 and ASSUMED not in recording.load_known]
     if not loaded:
         return None
     masses, places = [], []

@@ -98,7 +98,8 @@ def main(data, out, *names):
     results = diagnose_sets(names or tuple(SETS), data, out)
     out.mkdir(parents=True, exist_ok=True)
     text = table(results, {name: loads_of(name, data, out) for name, result in results.items()
-                           if name in LOADED and not isinstance(result, str)})
+                           if name in LOADED and not isinstance(result, str)},
+                 {name: SETS[name].assumed for name in results})
     (out / 'table.md').write_text(text, encoding='utf-8')
     print(text)
     return int(any(isinstance(result, str) for result in results.values()))

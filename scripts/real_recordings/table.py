@@ -100,11 +100,12 @@ def failed_row(name, sentence):
     return f'| {name} | all | - | - | failed: {_cell(sentence)} | - |'
 
 
-def table(results, loads=None):
+def table(results, loads=None, assumed=None):
     """
     Return the Markdown of {set: report, or the sentence of a set that failed}.
 
-    loads: {set: [(run, known mass, mass before, mass after)]} [kg].
+    loads: {set: [(run, known mass, mass before, mass after)]} [kg]; assumed: {set: what load the
+    model was made with, and why that is no knowledge}, empty where it is.
     """
     lines, cannot, loaded = list(HEAD), of_all_joints(results), []
     for name, result in results.items():
@@ -115,6 +116,9 @@ def table(results, loads=None):
         loaded += loaded_rows(name, (loads or {}).get(name, ()))
     if cannot:
         lines += ['', 'Not to be told of any joint:', '', *cannot]
+    told = [f'- {name}: {_cell(load)}' for name, load in (assumed or {}).items() if load]
+    if told:
+        lines += ['', 'Loads assumed, so that no error of a load is told:', '', *told]
     if loaded:
         lines += ['', *LOADED_HEAD, *loaded]
     return '\n'.join(lines) + '\n'
