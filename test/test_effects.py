@@ -1,13 +1,15 @@
 """Effects: columns of the stated shape and physics."""
 
 from dataclasses import replace
+from pathlib import Path
 
 from core_helpers import four_axes
 from effect_helpers import DT, inputs, model_with
 import numpy as np
 import pytest
 
-from hand_load_estimator.effects import EFFECTS, EffectInput
+from hand_load_estimator import effects
+from hand_load_estimator.effects import DESCRIBED, EFFECTS, EffectInput
 from hand_load_estimator.play import play_along
 from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, EffectUse, lateness,
                                                 parameter_count, torque_columns)
@@ -215,3 +217,18 @@ def test_friction_is_not_seen_behind_the_gear():
     assert not [name for name in seen if 'friction' in name or name in (
         'rotor_inertia', 'presliding_hysteresis', 'backlash')]
     assert {'base_tilt', 'gravity_spring', 'cable_drag', 'torque_scale', 'time_delay'} <= seen
+
+
+def test_every_name_of_the_design_has_a_file_that_says_what_it_is():
+    names = set(EFFECTS) | set(DESCRIBED)
+    assert {'link_inertia', 'external_contact', 'load_change', 'gravity_spring'} <= names
+    assert not set(EFFECTS) & set(DESCRIBED)
+    folder = Path(effects.__file__).parent
+    for entry in (*EFFECTS.values(), *DESCRIBED.values()):
+        assert (folder / f'{entry.name}.py').is_file() or entry.name.startswith('learned')
+        assert len(entry.physics) > 15 and entry.parameters
+        # A paper, a reference's equation, or what it follows from.
+        assert any(c.isdigit() for c in entry.source) or 'first principles: ' in entry.source \
+            or entry.name.startswith('learned')
+        assert all(isinstance(name, str) and isinstance(unit, str)
+                   for name, unit in entry.parameters)

@@ -4,10 +4,13 @@ from .backlash import BACKLASH
 from .base_tilt import BASE_TILT
 from .cable_drag import CABLE_DRAG
 from .coulomb_friction import COULOMB_FRICTION
-from .effect import Effect, EffectInput, Shape
+from .effect import Described, Effect, EffectInput, Shape
+from .external_contact import EXTERNAL_CONTACT
 from .friction_asymmetry import FRICTION_ASYMMETRY
 from .gravity_spring import GRAVITY_SPRING
 from .learned_correction import LEARNED_POSITION_CORRECTION, LEARNED_VELOCITY_CORRECTION
+from .link_inertia import LINK_INERTIA
+from .load_change import LOAD_CHANGE
 from .load_dependent_friction import LOAD_DEPENDENT_FRICTION
 from .presliding_hysteresis import PRESLIDING_HYSTERESIS
 from .rotor_inertia import ROTOR_INERTIA
@@ -33,10 +36,14 @@ EFFECTS = {effect.name: effect for effect in (
     TORQUE_SCALE_TEMPERATURE, TIME_DELAY,
     LEARNED_VELOCITY_CORRECTION, LEARNED_POSITION_CORRECTION)}
 
+# What a report may name beside them: the rigid body's own, and what acts from outside for a time.
+DESCRIBED = {entry.name: entry for entry in (LINK_INERTIA, EXTERNAL_CONTACT, LOAD_CHANGE)}
+
 # Effects that need temperatures; identification leaves them out when there are none.
 NEEDS_TEMPERATURE = frozenset(e.name for e in EFFECTS.values() if 'warmth' in e.needs)
 
 # What `identify` declares unless --effects says otherwise; link_inertia is the rigid body's.
 DEFAULT_EFFECTS = ('link_inertia', *(e.name for e in EFFECTS.values() if e.default))
 
-__all__ = ['DEFAULT_EFFECTS', 'EFFECTS', 'NEEDS_TEMPERATURE', 'Effect', 'EffectInput', 'Shape']
+__all__ = ['DEFAULT_EFFECTS', 'DESCRIBED', 'EFFECTS', 'EXTERNAL_CONTACT', 'LINK_INERTIA',
+           'LOAD_CHANGE', 'NEEDS_TEMPERATURE', 'Described', 'Effect', 'EffectInput', 'Shape']

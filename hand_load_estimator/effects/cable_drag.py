@@ -13,7 +13,7 @@ def _columns(x, j, _):
 
 CABLE_DRAG = Effect(
     'cable_drag', 'cables and hoses: a smooth, not periodic function of joint position',
-    'measured on dressed arms', tuple(
+    'first principles: what is smooth is its Taylor series, here to the fourth power', tuple(
         (name, 'Nm') for name in ('level', 'first', 'second', 'third', 'fourth')), (0.05,) * 5,
     _columns, in_link_torque=True,
     against='position')

@@ -112,6 +112,20 @@ class Effect:
         return {s.name: s.default for s in self.shapes}
 
 
+@dataclass(frozen=True)
+class Described:
+    """
+    A name of the vocabulary that is no Effect: it adds no columns of its own to a model.
+
+    parameters: (name, unit) each, as reports give them.
+    """
+
+    name: str
+    physics: str
+    source: str
+    parameters: tuple
+
+
 def amplitude_and_angle(sine, cosine):
     """Return amplitude k and angle of rest q0 of k sin(q - q0) = sine sin q + cosine cos q."""
     return np.hypot(sine, cosine), np.arctan2(-cosine, sine)

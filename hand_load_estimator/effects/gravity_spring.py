@@ -16,6 +16,6 @@ def _derived(values, _):
 
 
 GRAVITY_SPRING = Effect(
-    'gravity_spring', 'balancer: k sin(q - q0), one period per turn', 'design of balanced arms',
+    'gravity_spring', 'balancer: k sin(q - q0), one period per turn', 'Herder 2001',
     (('sine', 'Nm'), ('cosine', 'Nm')), (0.05, 0.05), _columns, in_link_torque=True,
     against='position', derived=_derived)

@@ -17,7 +17,7 @@ def _derived(values, shape):
 
 TIME_DELAY = Effect(
     'time_delay', 'effort belongs to an earlier moment than the position beside it',
-    'tau(t - d) of the model\'s own torque', (('share', '-'),), (1.0,), _columns,
+    'first principles: tau(t - d) of the model\'s own torque', (('share', '-'),), (1.0,), _columns,
     (Shape('shift', 's', 0.01, (0.003, 0.006, 0.01, 0.015, 0.022, 0.03, 0.045, 0.07)),),
     in_link_torque=True, against='rate of torque', derived=_derived,
     needs=frozenset({'late'}), absolute=True, positive=(0,))

@@ -3,7 +3,7 @@
 import math
 from html import escape
 
-from ..effects import EFFECTS
+from ..effects import DESCRIBED, EFFECTS
 from ..effects.knee import KNEE
 from ..residual.confusable import NO_KNOWN_MOTION, NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
@@ -12,16 +12,9 @@ from .page_parts import html_image, html_table
 from .words import (as_sentence, items_html, label_html, list_text, name_words, number_text,
                     quantity_html, share_text)
 
-# Findings that are no entry of the vocabulary of joint effects.
-_PHYSICS = {
-    UNKNOWN: 'None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
-             'it repeats with the variables shown below. A person who knows the drive should '
-             'look at the picture before anything is added to the model.',
-    'link_inertia': 'Mass, centre of mass or inertia of a link differ from the model\'s.',
-    'external_contact': 'Something outside pushed the hand for a limited time, with one force in '
-                        'the axes of the base.',
-    'load_change': 'For a time another load hung on the hand than the recording declares. The '
-                   'mass is the change: negative where the declared load, or part of it, is gone.'}
+_UNKNOWN = ('None of the effects in this tool\'s vocabulary fits. The torque error is not noise: it '
+            'repeats with the variables shown below. A person who knows the drive should look at '
+            'the picture before anything is added to the model.')
 
 
 def where(finding, joints):
@@ -51,12 +44,12 @@ def badges_html(finding):
 
 def _physics(finding):
     """Return what the effect is and where its formula comes from."""
-    effect = EFFECTS.get(finding.name)
+    effect = EFFECTS.get(finding.name) or DESCRIBED.get(finding.name)
     if effect is not None:
         text = (f'{escape(as_sentence(effect.physics))}. '
                 f'<span class="quiet">Source: {escape(effect.source)}.</span>')
     else:
-        text = escape(_PHYSICS.get(finding.name, ''))
+        text = escape(_UNKNOWN) if finding.name == UNKNOWN else ''
     if finding.changed:
         text += ' The model had this effect already; the figures below replace its former ones.'
     if finding.recording:

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from ..effects import EXTERNAL_CONTACT
 from .disturbance import Cause
 from .interval import Kind
 
-NAME = 'external_contact'
+NAME = EXTERNAL_CONTACT.name
 FORCE = 30.0               # [N] what a person or a touched object does
 # A push: at least so long [s], at most this share of a recording, first looked for so close [s].
 SHORTEST, LONGEST, CELL = 0.2, 0.5, 0.1
@@ -28,4 +29,5 @@ def _possible(force, covariance, owner):
 def contact_parameters(disturbance):
     """Return {name: (mean, std, unit)} of the force."""
     std = np.sqrt(np.diag(disturbance.covariance))
-    return {f'force_{axis}': (disturbance.theta[k], std[k], 'N') for k, axis in enumerate('xyz')}
+    return {name: (disturbance.theta[k], std[k], unit)
+            for k, (name, unit) in enumerate(EXTERNAL_CONTACT.parameters)}

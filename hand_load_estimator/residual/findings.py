@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, LINK_INERTIA
 from ..effects.knee import KNEE
-from ..load import PRODUCT_ORDER
 from .candidate import ahead, evaluated, hypotheses_of, significant
 from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
@@ -14,7 +13,6 @@ from .pictures import picture
 from .shape_std import shape_std
 from .unknown import left_over
 
-_PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 _MOST_PICTURES = 3
 # A model is worse at a joint where the error of recordings kept for the test grows by this factor.
 _WORSE = 1.02
@@ -160,8 +158,8 @@ def _of_link(model, better, hypothesis):
     where = slice(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
     change = better.mean[where] - model.mean[where]
     std = np.sqrt(np.diag(better.covariance)[where])
-    return {f'change_of_{name}': (change[k], std[k], _PRODUCT_UNITS[k])
-            for k, name in enumerate(PRODUCT_ORDER)}
+    return {name: (change[k], std[k], unit)
+            for k, (name, unit) in enumerate(LINK_INERTIA.parameters)}
 
 
 def _of_effect(model, better, hypothesis, searched):

@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from ..effects import LOAD_CHANGE
 from ..load import message_from_products, products_jacobian_of_message
 from .disturbance import Cause
 from .interval import Kind
 
-NAME = 'load_change'
+NAME = LOAD_CHANGE.name
 # Its distance [m] from the load frame and its radius of gyration squared [m^2], as a scale.
 REACH, GYRATION = 0.15, 0.02
 # A load is held at least so long [s]; moments first looked for are so close [s].
@@ -42,7 +43,5 @@ def load_parameters(disturbance):
     message = message_from_products(disturbance.theta)
     jacobian = np.linalg.inv(products_jacobian_of_message(message))
     std = np.sqrt(np.diag(jacobian @ disturbance.covariance @ jacobian.T))
-    out = {'mass': (message[0], std[0], 'kg')}
-    if std[1:4].max() < LOOSE:
-        out |= {f'com_{axis}': (message[1 + k], std[1 + k], 'm') for k, axis in enumerate('xyz')}
-    return out
+    told = LOAD_CHANGE.parameters[:None if std[1:4].max() < LOOSE else 1]
+    return {name: (message[k], std[k], unit) for k, (name, unit) in enumerate(told)}
