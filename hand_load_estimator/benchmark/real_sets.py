@@ -64,7 +64,7 @@ SETS = {
     'kr300': RecordingSet(
         'kr300', ('trajectory_A',), ('trajectory_B', 'trajectory_C'),
         {'mass': 150.0, 'com': [0.0, 0.0, 0.1], ASSUMED: True},
-        assumed='150 kg, concluded from the gravity torques that the source keeps beside the logs'),
+        assumed='150 kg, concluded from gravity torques that the source keeps beside the logs'),
     'staubli_tx40': RecordingSet('staubli_tx40', ('exciting_trajectory',)),
     'nist_ur5': RecordingSet(
         'nist_ur5', ('halfspeed_1p6lb_1',), assumed='none: the label says 0.73 kg, but the '

@@ -76,8 +76,9 @@ class Effect:
 
     parameters: (name, unit) each; prior_std: as many standard deviations, in fractions of the
     joint's maximum torque per unit, or `absolute`; positive: parameters (by number) that physics
-    allows no other sign, of changes their sum with what was there; columns(x, j, shape) -> (N, k) for joint j, where shape maps names
-    of `shapes` to values; for an array of m joints and arrays of values, (N, m, k).
+    allows no other sign, of changes their sum with what was there; columns(x, j, shape) ->
+    (N, k) for joint j, where shape maps names of `shapes` to values; for an array of m joints and
+    arrays of values, (N, m, k).
     in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
     function of, as a picture shows it. default: declared by `identify` unless told otherwise.
     learned: a function without physics, never searched for. whole_arm: one set of parameters

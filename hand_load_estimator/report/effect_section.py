@@ -12,9 +12,9 @@ from .page_parts import html_image, html_table
 from .words import (as_sentence, items_html, label_html, list_text, name_words, number_text,
                     quantity_html, share_text)
 
-_UNKNOWN = ('None of the effects in this tool\'s vocabulary fits. The torque error is not noise: it '
-            'repeats with the variables shown below. A person who knows the drive should look at '
-            'the picture before anything is added to the model.')
+_UNKNOWN = ('None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
+            'it repeats with the variables shown below. A person who knows the drive should look '
+            'at the picture before anything is added to the model.')
 
 
 def where(finding, joints):
