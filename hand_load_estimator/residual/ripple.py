@@ -8,11 +8,13 @@ LOWEST, HIGHEST = 4.0, 400.0   # [1/turn]
 CANDIDATES = 3
 # A ripple faster than this [rad/s] does not come through the motion filter.
 FASTEST = 250.0
+# A peak is refined so often, with so many periods near it each time.
+TURNS, NEAR = 3, 9
 
 
 def likely_periods(q, v, residual, weights):
     """
-    Return periods per turn (<= CANDIDATES,) that explain most of a residual, and how many differ.
+    Return periods per turn (<= CANDIDATES,) that explain most of a residual, and of how many.
 
     q [rad], v [rad/s], residual [Nm], weights, (N,) each. Empty where the joint hardly moves.
     """
@@ -26,9 +28,9 @@ def likely_periods(q, v, residual, weights):
     peaks = [k for k in range(1, len(grid) - 1)
              if power[k] >= power[k - 1] and power[k] > power[k + 1]]
     best = sorted(peaks, key=lambda k: -power[k])[:CANDIDATES]
-    # The grid is four times finer than periods are told apart.
+    # The grid is four times finer than periods are told apart; what refines a peak counts whole.
     return (np.array([_refined(q, v, residual, weights, grid[k], step) for k in best]),
-            len(grid) // 4)
+            len(grid) // 4 + len(best) * TURNS * NEAR)
 
 
 def _explained(q, v, residual, weights, periods):
@@ -46,8 +48,8 @@ def _explained(q, v, residual, weights, periods):
 
 def _refined(q, v, residual, weights, periods, step):
     """Return the best period near a peak of the grid."""
-    for _ in range(3):
-        near = periods + step * np.linspace(-1.0, 1.0, 9)
+    for _ in range(TURNS):
+        near = periods + step * np.linspace(-1.0, 1.0, NEAR)
         periods = near[np.argmax([_explained(q, v, residual, weights, p) for p in near])]
         step /= 4.0
     return periods
