@@ -86,6 +86,17 @@ def test_a_joint_that_stands_does_not_hide_a_repetition():
     assert not found.fresh[len(q) + 50:].any()
 
 
+def test_an_arm_that_stands_repeats_nothing():
+    still = np.full((500, JOINTS), 0.2)
+    assert shown((still, 0.0 * still), spread=0.0)[0].fresh.all()
+
+
+def test_an_hour_of_cycles_is_looked_through():
+    q, v, a = waves(2, 3600.0, period=7.0)
+    found, _ = shown((q[::2], v[::2], a[::2]))
+    assert found.fresh.mean() < 0.01
+
+
 @pytest.mark.parametrize('parts', [
     [waves(1, 25.0)] * 2, [waves(1, 25.0)] * 4, [waves(2, 60.0, period=15.0)],
     [waves(2, 40.0, period=15.0)] * 3])

@@ -17,6 +17,7 @@ LEAST_RANGE, LEAST_SPEED = 0.1, 0.1
 # Rows are compared this far apart [s]; a path that was left for less than AWAY [s] never was, and
 # one shared for less than SHARED [s] is a crossing.
 STEP, AWAY, SHARED = 0.05, 0.5, 1.0
+AT_ONCE = 1000  # rows
 # An arm none of whose joints is faster than this share of the greatest velocity stands.
 STANDS = 0.1
 
@@ -43,6 +44,8 @@ def first_shown(q, v, dt, owner):
     """Return the Shown of positions, velocities (N, n) [rad], [rad/s]; dt, owner (N,)."""
     fast = np.abs(v).max(axis=1)
     moving, time = fast > STANDS * fast.max(), np.cumsum(dt)
+    if not moving.any():
+        return Shown(np.arange(len(q)), moving)
     chosen = _spaced(time, moving, owner)
     # Recordings are far apart in time, as no two passes of one are.
     apart = time[chosen] + 2.0 * AWAY * owner[chosen]
@@ -78,13 +81,19 @@ def _scaled(q, v):
 def _twins(state, time):
     """Return (M,): the nearest earlier row on another pass, -1 where there is none."""
     found = np.full(len(state), -1)
-    for row, near in enumerate(cKDTree(state).query_ball_point(state, 1.0, p=np.inf,
-                                                               return_sorted=True)):
-        near = np.array(near[:np.searchsorted(near, row) + 1])
-        left = np.flatnonzero(np.diff(time[near]) > AWAY)
-        if len(left):
-            earlier = near[:left[-1] + 1]
-            found[row] = earlier[np.abs(state[earlier] - state[row]).max(axis=1).argmin()]
+    for start in range(0, len(state), AT_ONCE):
+        rows = np.arange(start, min(start + AT_ONCE, len(state)))
+        # Of what was shown once, the first time stands for all: hours of cycles stay one.
+        known = np.concatenate([np.flatnonzero(found[:start] < 0), rows])
+        balls = cKDTree(state[known]).query_ball_point(state[rows], 1.0, p=np.inf,
+                                                       return_sorted=True)
+        for row, near in zip(rows, balls):
+            near = known[near]
+            near = near[near <= row]
+            left = np.flatnonzero(np.diff(time[near]) > AWAY)
+            if len(left):
+                earlier = near[:left[-1] + 1]
+                found[row] = earlier[np.abs(state[earlier] - state[row]).max(axis=1).argmin()]
     return found
 
 
