@@ -1,5 +1,6 @@
 """The trace: one hidden effect comes out as itself on its joint, two as two, none as none."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 from core_helpers import effect_uses, four_axes, true_parameters
@@ -443,6 +444,14 @@ def test_an_alternative_is_what_blocks_cannot_tell(other, gain, spread, told):
     step = Trace._step(None, best, [best, rival], 30.0)
     told = told and not (other == 'cable_drag' and gain == 1990.0)
     assert step.chosen is best and step.alternatives == (() if told else (rival,))
+
+
+def test_of_pairs_of_the_design_only_those_of_one_joint_are_named_together():
+    best, rival = candidate('gravity_spring', 2000.0), candidate('link_inertia', 1990.0)
+    elsewhere = Candidate(rival.name, tuple((replace(h, joint=1), s) for h, s in rival.parts),
+                          rival.gain, rival.std, rival.by_block)
+    step = Trace._step(None, best, [best, rival, elsewhere], 30.0)
+    assert step.alternatives == (rival,)
 
 
 def test_what_gains_no_more_than_chance_is_no_alternative():

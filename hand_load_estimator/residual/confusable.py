@@ -9,7 +9,7 @@ NO_KNOWN_MOTION = 'no motion is known that separates it from'
 _SAME = 1e-6  # [-] of a column's length that may be left of it
 # Of two that DESIGN section 4 calls hard to tell apart, both are named where the lesser gains at
 # least this share: their formulas are no exacter than that, whatever the blocks prefer.
-CLOSE = 0.95
+CLOSE = 0.97
 _DESIGN = tuple(map(frozenset, (
     ('gravity_spring', 'link_inertia'), ('gravity_spring', 'cable_drag'),
     ('presliding_hysteresis', 'stribeck_friction'), ('base_tilt', 'link_inertia'),
@@ -117,7 +117,10 @@ def advice(name, others):
 
 def named_together(best, other):
     """Tell whether the lesser of two Candidates is named too, as DESIGN's sets are if close."""
-    return frozenset({best.name, other.name}) in _DESIGN and other.gain > CLOSE * best.gain
+    pair = frozenset({best.name, other.name})
+    # A leaning base is no joint's own; of all others only those of one joint look alike.
+    return pair in _DESIGN and (best.joints == other.joints or 'base_tilt' in pair) \
+        and other.gain > CLOSE * best.gain
 
 
 def same_torque(simple, other):
