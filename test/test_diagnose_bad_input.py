@@ -109,10 +109,13 @@ def reversed_effort(stream):
     return [replace(m, effort=-np.array(m.effort)) for m in stream]
 
 
-def assert_nothing_made_up(status, report):
-    """A refusal, or a report that confirms no effect."""
-    assert status == 2 or [e['name'] for e in report['effects']
-                           if e['verdict'] == 'confirmed'] == []
+def assert_nothing_made_up(capsys, status, report):
+    """A refusal that says whose the model is not, or a report that confirms no effect."""
+    said = capsys.readouterr().err.strip().splitlines()[-1]
+    if status == 2:
+        assert said.startswith('hand_load diagnose: ') and 'belongs to another robot' in said
+    else:
+        assert [e['name'] for e in report['effects'] if e['verdict'] == 'confirmed'] == []
 
 
 def test_other_joint_names_are_refused(folder, capsys):
@@ -136,14 +139,14 @@ def test_effort_of_the_other_sign_is_refused_as_a_test_too(folder, capsys):
     assert 'reversed' in refused(folder, capsys, 'clean2', '--test', 'reversed')
 
 
-def test_another_mounting_makes_up_no_effect(folder):
+def test_another_mounting_makes_up_no_effect(folder, capsys):
     write_model(folder / 'wall.yaml', on_the_wall())
-    assert_nothing_made_up(*diagnosed(folder, 'clean1', 'clean2', model_file='wall.yaml'))
+    assert_nothing_made_up(capsys, *diagnosed(folder, 'clean1', 'clean2', model_file='wall.yaml'))
 
 
-def test_another_arm_among_good_ones_makes_up_no_effect(folder):
+def test_another_arm_among_good_ones_makes_up_no_effect(folder, capsys):
     write(folder / 'mixed', messages(on_the_wall(), EMPTY, SECONDS, seed=2, size=1.2))
-    assert_nothing_made_up(*diagnosed(folder, 'clean1', 'mixed'))
+    assert_nothing_made_up(capsys, *diagnosed(folder, 'clean1', 'mixed'))
 
 
 @pytest.mark.parametrize('arguments, word', [

@@ -9,6 +9,7 @@ from ..identification import prior
 from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
 from .add import better_model
+from .another_robot import refuse_another_robot
 from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
@@ -19,8 +20,8 @@ from .findings import findings_of, refuted
 from .folds import only_suspected, repeated
 from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names, made_from
-from .limits import (refuse_another_robot, refuse_the_useless, saturated_rows, still_joints,
-                     too_little_gained, warmed_joints)
+from .limits import (refuse_the_useless, saturated_rows, still_joints, too_little_gained,
+                     warmed_joints)
 from .load_change import load_change
 from .not_named import sentences_on
 from .rest import rest_of

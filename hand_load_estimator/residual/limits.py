@@ -3,12 +3,11 @@
 import numpy as np
 
 from ..errors import RecordingError
+from .another_robot import refuse_another_robot
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
 SATURATED, HELD = 0.02, 0.9   # shares of the time at the largest effort
-STRANGE = 0.5          # share of a torque's variance that a model of this arm leaves at most
-PUSHED = 0.1           # share of the time in which something may act on the arm from outside
 LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
 NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
@@ -28,42 +27,6 @@ def refuse_the_useless(model, evidence):
         raise RecordingError(f'{_names(evidence)}: no joint moves, and at rest friction hides '
                              'everything; record a motion of `hand_load excite`')
     refuse_another_robot(model, evidence)
-
-
-def refuse_another_robot(model, evidence):
-    """Raise RecordingError where a model does not belong to the arm, unit or mounting at all."""
-    for mark in dict.fromkeys(e.mark for e in evidence):
-        # The parts of a recording together: in a short one alone hardly a joint may have moved,
-        # and at rest friction hides what the model explains.
-        parts = [_explained(model, e) for e in evidence if e.mark == mark]
-        measured, modelled = (np.concatenate(rows) for rows in zip(*parts))
-        loaded = modelled.std(axis=0) > 5.0 * model.noise
-        if loaded.any() and np.median(_left(measured, modelled)[loaded]) > STRANGE:
-            raise RecordingError(
-                f'{mark.name}: the model explains less than half of the torque of half the joints '
-                'that carry load; it belongs to another robot, unit, sign or mounting; try '
-                '`hand_load check`')
-
-
-def _explained(model, evidence):
-    """Return measured and modelled torque (M, n) [Nm] of every tenth row of an Evidence."""
-    motion = evidence.motion
-    rows = zip(*(values[::10] for values in (motion.q, motion.v, motion.a, motion.temperature)))
-    return evidence.torque[::10], np.array([model.torque(*row) for row in rows])
-
-
-def _left(measured, modelled):
-    """
-    Return the share (n,) of measured torques' variance (M, n) that a model of them leaves.
-
-    Without each joint's worst rows: a hard push has more squares than minutes of the arm's own
-    torque, while another robot's model is wrong all the time.
-    """
-    error = measured - modelled
-    usual = np.abs(error) <= np.quantile(np.abs(error), 1.0 - PUSHED, axis=0)
-    count = usual.sum(axis=0)
-    off = measured - (usual * measured).sum(axis=0) / count
-    return (usual * error ** 2).sum(axis=0) / np.maximum((usual * off ** 2).sum(axis=0), 1e-12)
 
 
 def _names(evidence):
