@@ -19,7 +19,8 @@ class Evidence:
 
     held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None;
     load: LoadParameters declared; messages (M,) uint64: of the whole recording, as of
-    recording_mark.message_digests, none where it is not on disk.
+    recording_mark.message_digests, none where it is not on disk; rejected {reason: count}: input
+    of the whole recording that was not used.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Evidence:
     held: np.ndarray | None = None
     load: LoadParameters = field(default_factory=LoadParameters)
     messages: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint64))
+    rejected: dict = field(default_factory=dict)
 
     @cached_property
     def mark(self):

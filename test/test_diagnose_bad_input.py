@@ -42,6 +42,21 @@ def test_a_recording_must_say_its_load(folder, capsys):
     assert status == 0 and report['effects'] == []
 
 
+def test_a_load_that_is_there_all_the_time_undeclared_is_said(folder, capsys):
+    said = refused(folder, capsys, 'loaded', '--load', 'none')
+    assert 'looks loaded with about 2' in said and 'declared: none' in said and '--load' in said
+    assert said.count('loaded: ') == 1
+
+
+def test_rejected_messages_are_said(folder, capsys):
+    """Most are in another unit: what is left is too short, but not for want of motion."""
+    stream = [m if k >= 600 else replace(m, effort=1e6 * np.array(m.effort))
+              for k, m in enumerate(run(1)[:800])]
+    write(folder / 'spoiled', stream)
+    said = refused(folder, capsys, 'spoiled')
+    assert '600 of ' in said and 'implausible effort' in said and 'hand_load check' in said
+
+
 def stuck(joint, seed):
     """Return Messages of an arm one joint of which never moves."""
     arm, rng = model(), np.random.default_rng(seed)

@@ -1,5 +1,6 @@
 """`hand_load diagnose`: find what a torque model lacks, add it, report before and after."""
 
+from dataclasses import replace
 import json
 from pathlib import Path
 import sys
@@ -75,7 +76,8 @@ def _read(model, path, args, given):
     recording = read_recording(path, **topics(args))
     load = given if given is not None else known_load(recording)
     motion, rejected = motion_of(model.robot, recording)
-    evidence = prepare(model.robot, Path(path).name, motion, load, recording)
+    evidence = replace(prepare(model.robot, Path(path).name, motion, load, recording),
+                       rejected=rejected)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
     return evidence, recording, load
 

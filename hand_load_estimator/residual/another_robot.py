@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import RecordingError
-from .load_change import OVERLOAD
+from .load_change import looks_loaded, OVERLOAD
 
 # Every so many rows are looked at: what is wrong here is wrong all the time.
 EVERY = 10
@@ -131,10 +131,3 @@ def left(measured, modelled):
     count = usual.sum(axis=0)
     off = measured - (usual * measured).sum(axis=0) / count
     return (usual * error ** 2).sum(axis=0) / np.maximum((usual * off ** 2).sum(axis=0), 1e-12)
-
-
-def looks_loaded(mass, declared):
-    """Return the sentence on a recording that carries another mass [kg] than is declared."""
-    said = 'none' if declared == 0.0 else f'{declared:.2g} kg'
-    return (f'looks loaded with about {mass:.2g} kg, declared: {said}; give the load that it '
-            'carries (--load, or load.yaml in the recording)')

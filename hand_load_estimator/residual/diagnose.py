@@ -26,6 +26,7 @@ from .load_change import load_change
 from .not_named import sentences_on
 from .rest import rest_of
 from .structure import structures
+from .time_left import long_loads, many_rejected, refuse_too_short
 from .trace import Trace
 from .unknown import left_over, unexplained_joints, unknown_left
 
@@ -54,9 +55,12 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     seen = known_names(model, evidence if kept else test)
     by_name = known_by_name_only(model, [*evidence, *test])
     left_out = _left_out(evidence, whole, outside) if kept else 0.0
-    evidence, test = _parts(evidence, whole, outside, test)
+    told = [*long_loads(evidence, whole, outside.found), *many_rejected(evidence)]
+    left, test = _parts(evidence, whole, outside, test)
     if kept:
         tested_on = 'the last quarter of every recording'
+    refuse_too_short(left, evidence, whole, outside.found)
+    evidence = left
     refuse_the_useless(model, evidence)
     warmed, sentences = warmed_joints(model, evidence)
     progress('computing the residual')
@@ -83,7 +87,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         findings = only_suspected(findings)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
-    cannot = [*by_name, *sentences, *still.values(), *limited,
+    cannot = [*by_name, *told, *sentences, *still.values(), *limited,
               *repeated(residual.cut, evidence, test),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,

@@ -4,11 +4,11 @@ import numpy as np
 
 from ..errors import RecordingError
 from .another_robot import refuse_another_robot
+from .time_left import names, refuse_too_short
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
 SATURATED, HELD = 0.02, 0.9   # shares of the time at the largest effort
-LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
 NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
 
@@ -18,19 +18,11 @@ def refuse_the_useless(model, evidence):
         if e.torque.shape[1] != model.robot.n:
             raise RecordingError(f'{e.name}: has {e.torque.shape[1]} joints, the model '
                                  f'{model.robot.n}')
-    seconds = sum(float(e.motion.dt.sum()) for e in evidence)
-    if seconds < LEAST_SECONDS:
-        raise RecordingError(f'{_names(evidence)}: hold {seconds:.1f} s; a diagnosis needs '
-                             f'{LEAST_SECONDS:g} s of motion at least; record a motion of '
-                             '`hand_load excite`')
+    refuse_too_short(evidence, evidence)
     if max(np.abs(e.motion.v).max() for e in evidence) < STILL:
-        raise RecordingError(f'{_names(evidence)}: no joint moves, and at rest friction hides '
+        raise RecordingError(f'{names(evidence)}: no joint moves, and at rest friction hides '
                              'everything; record a motion of `hand_load excite`')
     refuse_another_robot(model, evidence)
-
-
-def _names(evidence):
-    return ', '.join(e.name for e in evidence)
 
 
 def warmed_joints(model, evidence):

@@ -45,3 +45,10 @@ def load_parameters(disturbance):
     std = np.sqrt(np.diag(jacobian @ disturbance.covariance @ jacobian.T))
     told = LOAD_CHANGE.parameters[:None if std[1:4].max() < LOOSE else 1]
     return {name: (message[k], std[k], unit) for k, (name, unit) in enumerate(told)}
+
+
+def looks_loaded(mass, declared):
+    """Return the sentence on a recording that carries another mass [kg] than is declared."""
+    said = 'none' if declared == 0.0 else f'{declared:.2g} kg'
+    return (f'looks loaded with about {mass:.2g} kg, declared: {said}; give the load that it '
+            'carries (--load, or load.yaml in the recording)')
