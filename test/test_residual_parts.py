@@ -185,6 +185,15 @@ def test_a_joint_that_never_moves_is_named():
     assert not still_joints(model, [*evidence, recorded()[0]])
 
 
+def test_plain_functions_of_what_has_come_to_rest_are_finite():
+    """A filter forgets down to 1e-300, and no knots are that near to each other."""
+    resting = np.concatenate([10.0 ** -np.linspace(3.0, 307.0, 400), -np.ones(200) * 1e-5])
+    with np.errstate(all='raise', under='ignore'):
+        columns = hats(resting, 16)
+    assert np.isfinite(columns).all() and np.abs(columns).max(initial=0.0) <= 1.0
+    assert not hats(np.zeros(100), 16).shape[1]
+
+
 def efforts(torque, evidence):
     return replace(evidence, motion=replace(evidence.motion, effort=torque), torque=torque)
 

@@ -49,7 +49,9 @@ def run(args):
     diagnosis = with_load_errors(diagnosis, model, better, tests)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
-    write_model(out / 'model.yaml', dated(better, diagnosis.sliding))
+    # Where no joint slid, the model was held against nothing.
+    told = diagnosis.sliding is not None
+    write_model(out / 'model.yaml', dated(better, diagnosis.sliding) if told else better)
     if start and better is model:
         _say('nothing was added to the model: the artefact is left as it is')
     elif start:

@@ -46,9 +46,12 @@ def headline(diagnosis):
     first = findings[0]
     j = _strongest(first, diagnosis.joints)
     of = '' if len(first.joints) == 1 else f' of {diagnosis.joints[j]}'
+    named = f'{where(first, diagnosis.joints)}: {what(first)}'
+    if not math.isfinite(diagnosis.after[j]):
+        return f'{named}; torque error{of} not known, because no joint slid in the test'
     before, after = number_text(diagnosis.before[j]), number_text(diagnosis.after[j])
     error = f'stays {after}' if before == after else f'{before} → {after}'
-    return f'{where(first, diagnosis.joints)}: {what(first)}, torque error{of} {error} Nm'
+    return f'{named}, torque error{of} {error} Nm'
 
 
 def _summary(diagnosis):

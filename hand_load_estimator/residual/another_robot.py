@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from .load_change import looks_loaded, OVERLOAD
+from .standing import is_held
 
 # Every so many rows are looked at: what is wrong here is wrong all the time.
 EVERY = 10
@@ -31,7 +32,10 @@ def refuse_another_robot(model, evidence):
     for mark in dict.fromkeys(e.mark for e in evidence):
         # The parts of a recording together: in a short one alone hardly a joint may have moved,
         # and at rest friction hides what the model explains.
-        rows = _Rows(model, [e for e in evidence if e.mark == mark])
+        parts = [e for e in evidence if e.mark == mark]
+        if all(map(is_held, parts)):
+            continue    # What a pose alone tells is judged by standing.py.
+        rows = _Rows(model, parts)
         little, size = rows.little_explained(), rows.of_another_size()
         load = rows.another_load() if little or size else ''
         # What another load explains the diagnosis finds, if the model explains anything at all.

@@ -7,6 +7,8 @@ from .disturbance import Cause
 from .interval import Kind
 
 NAME = EXTERNAL_CONTACT.name
+# The same on another link than the hand: torques are all that is told of it.
+ELSEWHERE = 'external_contact_elsewhere'
 FORCE = 30.0               # [N] what a person or a touched object does
 # A push: at least so long [s], at most this share of a recording, first looked for so close [s].
 SHORTEST, LONGEST, CELL = 0.2, 0.5, 0.1
@@ -31,3 +33,10 @@ def contact_parameters(disturbance):
     std = np.sqrt(np.diag(disturbance.covariance))
     return {name: (disturbance.theta[k], std[k], unit)
             for k, (name, unit) in enumerate(EXTERNAL_CONTACT.parameters)}
+
+
+def torque_parameters(disturbance, joints):
+    """Return {name: (mean, std, unit)} of what a push elsewhere does to joints (names)."""
+    std = np.sqrt(np.diag(disturbance.covariance))
+    return {f'torque ({joint})': (disturbance.theta[j], std[j], 'Nm')
+            for j, joint in enumerate(joints)}

@@ -25,6 +25,8 @@ from .limits import (refuse_the_useless, saturated_rows, still_joints, too_littl
 from .load_change import load_change
 from .not_named import sentences_on
 from .rest import rest_of
+from .standing import Standing
+from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
 from .time_left import long_loads, many_rejected, refuse_too_short
 from .trace import Trace
@@ -47,6 +49,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     refuse_another_robot(model, test)
     tested_on = ', '.join(e.name for e in test)
     kept = not test
+    if only_stands(evidence):
+        return diagnose_standing(model, evidence, lambda: time.monotonic() - began), model
     refuse_the_useless(model, evidence)
     progress('looking for contacts and changes of the load')
     whole, _, _ = _residual(model, evidence)
@@ -113,10 +117,11 @@ def _residual(model, evidence):
 
 
 def _outside(model, evidence, residual):
-    """Return the Disturbances of whole recordings."""
+    """Return the Outside of whole recordings."""
     loads = tuple(e.load for e in evidence)
-    return Disturbances(model, residual, (contact(model.robot, residual),
-                                          load_change(model.robot, residual, loads)))
+    moving = Disturbances(model, residual, (contact(model.robot, residual),
+                                            load_change(model.robot, residual, loads)))
+    return Standing(model, evidence, residual).beside(moving)
 
 
 def _outside_rows(evidence, residual, outside):

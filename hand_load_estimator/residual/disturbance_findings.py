@@ -33,7 +33,10 @@ def _finding(robot, names, residual, one, odd):
     kind = one.cause.kind
     torque = kind.columns[rows] @ (one.theta / kind.scale)
     rms = np.sqrt((torque ** 2).mean(axis=0))
-    parameters = PARAMETERS[kind.name](one)
+    elsewhere = kind.name == contact.ELSEWHERE
+    name = contact.NAME if elsewhere else kind.name
+    parameters = contact.torque_parameters(one, robot.joints) if elsewhere \
+        else PARAMETERS[name](one)
     parameters |= {name: (*moment, 's') for name, moment in
                    (('start', one.start), ('end', one.end)) if moment is not None}
     strong = np.flatnonzero(rms > SHARE * rms.max())
@@ -42,13 +45,13 @@ def _finding(robot, names, residual, one, odd):
     order = strong[np.argsort(-rms[strong])]
     joints = tuple(robot.joints[j] for j in strong)
     return Finding(
-        kind.name, joints, parameters,
+        name, joints, parameters,
         one.explained,
         # It happens once: there is nothing else to test it on.
         Evidence(one.evidence, np.nan, one.needed, 1, one.tried, float(rms.max()), one.rival,
                  one.margin),
         (Alternative(one.rival, joints, one.margin, np.nan),) if tied else (),
-        ADVICE[kind.name] if tied else '', False, CONFIRMED if sure else SUSPECTED,
+        ADVICE[name] if tied else '', False, CONFIRMED if sure else SUSPECTED,
         tuple(_picture(robot, names[one.owner], residual, one, int(j))
               for j in order[:MOST_PICTURES]), recording=names[one.owner])
 

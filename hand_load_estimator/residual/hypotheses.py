@@ -25,6 +25,8 @@ WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 KNOTS = 32
+# Knots are so far apart, as a share of all that they cover.
+LEAST_APART = 1e-6
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
 ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 # What an unknown effect may be a function of; torque through the gear includes the load's.
@@ -295,6 +297,8 @@ def functions(residual, torque, j):
 def hats(values, knots):
     """Return (N, <= knots) piecewise linear functions over the quantiles of values (N,)."""
     places = np.unique(np.quantile(values, np.linspace(0.01, 0.99, knots)))
+    # What a filter forgets comes to rest at 1e-300: no function has a slope for that.
+    places = places[np.diff(places, prepend=-np.inf) > LEAST_APART * np.ptp(places)]
     if len(places) < 4:
         return np.zeros((len(values), 0))
     return np.stack([np.interp(values, places, row) for row in np.eye(len(places))], axis=1)

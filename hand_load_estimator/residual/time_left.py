@@ -28,7 +28,7 @@ def refuse_too_short(left, evidence, residual=None, found=()):
             for sentence in (*_taken(e, residual, [d for d in found if d.owner == k]),
                              *_rejected(e))]
     rest = sum(map(_seconds, evidence)) - sum(_lasting(residual, d) for d in found) - seconds
-    kept = [f'{rest:.1f} s are kept for the test or lie too near to those'] if rest > 0.1 else []
+    kept = [f'{rest:.1f} s are kept for the test or lie beside those'] if rest > 0.1 else []
     todo = [] if lost else ['record a motion of `hand_load excite`']
     raise RecordingError('; '.join([
         f'{names(evidence)}: {seconds:.1f} s are left to diagnose, of {LEAST_SECONDS:g} s of '
