@@ -65,3 +65,11 @@ def test_a_load_that_was_not_declared_is_said(model, tmp_path, capsys):
     assert status == 2 and report is None
     assert 'ident_20_01_13-load_2600 looks loaded with about 2.' in said
     assert 'declared: none' in said and '--load' in said and 'hand_load excite' not in said
+
+
+def test_a_joint_that_is_shaken_has_no_error(model, tmp_path):
+    """The shoulder moves; in the last quarter the elbow shakes by 2 mrad."""
+    status, report = diagnosed(model, tmp_path, 'jointwise_20_01_22-joint_2')
+    known = [error is not None for error in report['before']['torque_rmse']]
+    assert status == 0 and known == [False, True, False, False, False, False]
+    assert any('elbow_joint' in s and 'never moves' in s for s in report['cannot_tell'])

@@ -4,7 +4,7 @@ from dataclasses import replace
 import warnings
 
 from core_helpers import messages
-from diagnose_helpers import (assert_schema, diagnosed, EMPTY, model, recorded, refused,
+from diagnose_helpers import (assert_schema, diagnosed, EMPTY, model, recorded, refused, run,
                               SECONDS, write)
 import numpy as np
 import pytest
@@ -95,3 +95,18 @@ def test_a_weight_all_the_time_is_no_contact(folder, capsys):
         torque=np.zeros(4))])
     said = refused(folder, capsys, 'heavy')
     assert 'the arm stands' in said and 'friction can hold' in said and 'load' in said
+
+
+def test_a_joint_that_a_push_shakes_has_not_moved(folder):
+    """For a moment it is fast; its error would be that of the push."""
+    shaken = []
+    for m in run(1):
+        position, velocity = np.array(m.position), np.array(m.velocity)
+        time = m.stamp - 100.0
+        shakes = PUSH[0] < time < PUSH[0] + 0.3
+        position[2] = 0.4 + 1e-3 * shakes * np.sin(60.0 * time)
+        velocity[2] = 0.06 * shakes * np.cos(60.0 * time)
+        shaken.append(replace(m, position=position, velocity=velocity))
+    write(folder / 'shaken', shaken)
+    status, report = diagnosed(folder, 'clean1', '--test', 'shaken')
+    assert status == 0 and report['before']['torque_rmse'][2] is None

@@ -165,7 +165,10 @@ def _errors(model, better, test):
     """Return RMSE (n,) [Nm] of both models on test data while joints slide, Rest of the new."""
     old, new = (errors_of(m, test) for m in (model, better))
     # Each model knows its friction state at other times; both are judged at the same.
-    old, new = (np.where(np.isfinite(old + new), e, np.nan) for e in (old, new))
+    known = np.isfinite(old + new)
+    # Nor at joints that a contact or the arm's own shaking moves for a moment.
+    known[:, list(still_joints(better, test))] = False
+    old, new = (np.where(known, e, np.nan) for e in (old, new))
     rest = rest_of(new, np.concatenate([e.motion.dt for e in test]),
                    np.concatenate([e.motion.messages for e in test]),
                    np.concatenate([np.full(len(e.motion.dt), k) for k, e in enumerate(test)]))
@@ -175,7 +178,9 @@ def _errors(model, better, test):
 def _sliding(model, test):
     """Return what a model leaves of test data while joints slide (n,) [Nm]."""
     residual = find_residual(model, test, cut=False)
-    return sliding_rms(residual.residual, residual.sliding, residual.dt, residual.owner)
+    sliding = residual.sliding.copy()
+    sliding[:, list(still_joints(model, test))] = False
+    return sliding_rms(residual.residual, sliding, residual.dt, residual.owner)
 
 
 def _rms(errors):

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from .another_robot import refuse_another_robot
+from .standing import POSE
 from .time_left import names, refuse_too_short
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
@@ -42,10 +43,15 @@ def warmed_joints(model, evidence):
 
 
 def still_joints(model, evidence):
-    """Return {joint index: sentence} for joints that never move."""
-    fastest = np.max([np.abs(e.motion.v).max(axis=0) for e in evidence], axis=0)
-    return {j: f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because it '
-            'never moves' for j in np.flatnonzero(fastest < STILL)}
+    """
+    Return {joint index: sentence} for joints that never move.
+
+    A joint that is pushed while it is held is fast for a moment, and stays where it is.
+    """
+    moves = np.any([(np.abs(e.motion.v).max(axis=0) >= STILL)
+                    & (np.ptp(e.motion.q, axis=0) >= POSE) for e in evidence], axis=0)
+    return {int(j): f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because it '
+            'never moves in what is diagnosed' for j in np.flatnonzero(~moves)}
 
 
 def saturated_rows(model, evidence):
