@@ -137,3 +137,26 @@ def test_a_hidden_effect_of_a_simulated_arm_is_named():
         for joint, celsius in zip(robot.joints, event.celsius):
             pipeline.temperature_reading(joint, celsius)
     assert pipeline.watch.aged[0].joint == 'elbow_joint'
+
+
+def test_a_restart_forgets_neither_the_joint_nor_since_when(model, stream):
+    """All that was seen goes on; what the hand holds is found anew."""
+    *_, old = follow(pipeline_of(model), rubbed(model, stream, since=5.0))
+    (told,) = old.watch.aged
+    new = pipeline_of(model)
+    new.restore({name: np.array(value, dtype=float) for name, value in old.state().items()},
+                'as it was')
+    assert new.watch.aged == (told,)
+    later = [replace(m, stamp=m.stamp + 60.0) for m in rubbed(model, stream)]
+    *_, new = follow(new, later)
+    (again,) = new.watch.aged
+    assert again.joint == told.joint and again.since == told.since
+    assert again.motion > told.motion + 10.0
+    assert not pipeline_of(model).watch.aged
+
+
+def test_a_state_without_the_watch_is_refused(model, stream):
+    state = {name: np.array(value, dtype=float) for name, value in
+             pipeline_of(model).state().items() if not name.startswith('watch_')}
+    with pytest.raises(ValueError, match='watch_square is missing'):
+        pipeline_of(model).restore(state, 'as it was')

@@ -145,8 +145,12 @@ class Pipeline:
 
     def state(self):
         """Return {name: array}: what restore() in another process goes on from."""
-        return {**self.method.state(), 'load_id': np.array(self.load_id),
+        return {**self.method.state(), **self._watched(), 'load_id': np.array(self.load_id),
                 'began': np.array(self._began or bool(self._restored))}
+
+    def _watched(self):
+        """Return what the residual watch has seen, as part of a state."""
+        return {f'watch_{name}': value for name, value in self.watch.state().items()}
 
     def restore(self, state, told):
         """
@@ -155,7 +159,10 @@ class Pipeline:
         told: in words where it comes from, said until motion confirms or refutes it.
         """
         counts = checked(state, {'load_id': (), 'began': ()})
+        watched = checked(state, {name: value.shape for name, value in self._watched().items()})
         self.method.restore(state)
+        self.watch.restore({name.removeprefix('watch_'): value
+                            for name, value in watched.items()})
         self._changes_before = int(counts['load_id'])
         self._restored = told if counts['began'] else ''
 

@@ -27,6 +27,8 @@ CAP = 4.0
 MEMORY, ENOUGH = 60.0, 20.0
 # A model has aged above LIMIT times its stated residual, and is well again below CALM times.
 LIMIT, CALM = 1.75, 1.4
+# A stamp [s] that no message has.
+NEVER = -1.0
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,21 @@ class ResidualWatch:
         """Trust no load until it is known again, as after a reset."""
         self._load, self._waiting = None, deque(maxlen=WAITING)
         self._block, self._fresh = None, 0
+
+    def state(self):
+        """Return {name: array (n,)}: what restore() of another watch goes on from."""
+        return {'square': self._square, 'torque': self._torque, 'seconds': self.seconds,
+                # Of a joint that is well there is no such time.
+                'since': np.where(np.isnan(self._since), NEVER, self._since),
+                'before': self._before, 'aged': self._aged.astype(float)}
+
+    def restore(self, state):
+        """Go on from finite arrays as of state(); what the hand holds is to be found anew."""
+        self._square, self._torque, self.seconds, since, self._before, aged = (
+            np.array(state[name], dtype=float) for name in self.state())
+        self._since = np.where(since == NEVER, np.nan, since)
+        self._aged = aged > 0.5
+        self.forget_load()
 
     @property
     def ratio(self):
