@@ -13,7 +13,7 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.learning import shards, training
-from hand_load_estimator.learning.artefact import write_artefact
+from hand_load_estimator.learning.artefact import arm_of, write_artefact
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
@@ -173,8 +173,7 @@ def artefact(folder):
     network = LoadNetwork(feature_count(robot.n), robot.n, 6)
     write_artefact(folder / 'artefact', {k: v.numpy() for k, v in network.state_dict().items()},
                    np.ones((10, len(LEVELS))),
-                   {'name': 'as trained', 'joints': list(robot.joints),
-                    'effort_kind': robot.effort.kind})
+                   {'name': 'as trained', **arm_of(robot)})
     return folder / 'artefact'
 
 

