@@ -24,24 +24,20 @@ class TemperatureNames:
     """
     Which joint a temperature is of, where other arms' joints have the same names behind a prefix.
 
-    rejected: Counter of what is taken for another arm's: a joint keeps the first name that told of
-    it, and its own name wins.
+    A joint keeps the first name that told of it, and its own name wins; others are another arm's.
     """
 
-    def __init__(self, joints, rejected):
-        self._joints, self._rejected, self._name_of = joints, rejected, {}
+    def __init__(self, joints):
+        self._joints, self._name_of = joints, {}
 
     def index(self, name):
         """Return the joint's index, or None."""
         index = joint_index(name, self._joints)
         if index is None:
             return None
-        if name == self._joints[index] or index not in self._name_of:
+        if name == self._joints[index]:
             self._name_of[index] = name
-        if self._name_of[index] != name:
-            self._rejected['temperature_of_another_arm'] += 1
-            return None
-        return index
+        return index if self._name_of.setdefault(index, name) == name else None
 
 
 class JointStream:
@@ -53,7 +49,7 @@ class JointStream:
 
     def __init__(self, robot):
         self._guard = InputGuard(robot)
-        self._names = TemperatureNames(robot.joints, self._guard.rejected)
+        self._names = TemperatureNames(robot.joints)
         self._filter = MotionFilter(robot.n)
         lag = robot.file.command_lag
         self._commands = None if lag is None else CommandedPositions(lag)

@@ -8,6 +8,7 @@ from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import Hypothesis
 from hand_load_estimator.residual.shape_fit import settled
+from hand_load_estimator.residual.shape_std import shape_std
 
 
 def late(run: Hidden):
@@ -54,3 +55,15 @@ def test_where_nothing_is_to_be_gained_the_shape_stays_or_gains():
     shape, before, after = settle(on(1, 5.0, late), 'time_delay', {'shift': 0.033}, 1)
     assert after >= before and noise_of(declared_model().robot).all()
     assert shape['shift'] == pytest.approx(0.033, rel=0.03)
+
+
+def test_an_effect_without_the_shapes_it_may_have_stays_as_it_is():
+    # Friction with the load that turns as all friction does: on real arms this ended in a traceback.
+    model, plain = declared_model(), {'travel': np.inf, 'power': np.inf}
+    residual = find_residual(model, recorded(on(1, 5.0, late)))
+    start = Hypothesis('load_dependent_friction', 1, {1: residual.x.sign[:, 1:2]}, 1.0, plain)
+    blocks = residual.blocks()
+    score = blocks.evaluate(start.columns)
+    assert settled(start, score, blocks, model, residual, lambda _, of: of.gain) == (
+        (start, score), 0)
+    assert shape_std(start, blocks, model, residual) == {}

@@ -82,7 +82,7 @@ class ControllerNode(Node):
         self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
         self._model, self._guard, self._input = model, InputGuard(self._robot), InputReport()
         self._rejected, self._base, self._offset = Counter(), StampBase(), ClockOffset()
-        self._temperature_names = TemperatureNames(self._robot.joints, self._rejected)
+        self._temperature_names = TemperatureNames(self._robot.joints)
         self._pairing, self._ticks = LoadPairing(), 0
         self._said = {}
         self._create_outputs()

@@ -26,7 +26,7 @@ def settled(hypothesis, score, blocks, model, residual, rank):
     rank(hypothesis, score): what the better of two has more of, with nats for its last.
     """
     best, count = (hypothesis, score), 0
-    for _ in range(TURNS):
+    for _ in range(TURNS if searched(hypothesis) else 0):
         factors = [tuple(np.exp(share * step).tolist())
                    for step in _steps(*best, blocks, model, residual) for share in SHARES]
         tried = [(trial, blocks.evaluate(trial.columns))

@@ -22,6 +22,8 @@ def shape_std(hypothesis, blocks, model, residual):
     again for every trial. NaN where the gain has no curvature of a maximum.
     """
     names = list(searched(hypothesis))
+    if not names:
+        return {}
 
     def gains(steps):
         return np.array([blocks.evaluate(trial.columns).by_block for trial in reshaped(

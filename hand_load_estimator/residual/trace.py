@@ -232,7 +232,7 @@ class Trace:
             exact = turned(hypothesis, score, self._model, self._residual)
             return max([(hypothesis, score), (exact, self.blocks.evaluate(exact.columns))],
                        key=lambda pair: pair[1].gain), 1
-        if score.gain < LEAST_GAIN or not refinable(hypothesis):
+        if score.gain < LEAST_GAIN:
             return (hypothesis, score), 0
         return self._searched((hypothesis, score), self.blocks)
 
@@ -256,6 +256,8 @@ class Trace:
 
     def _searched(self, best, blocks):
         """Return a pair with its shape searched around what it is, number of trials."""
+        if not refinable(best[0]):
+            return best, 0
         count = 0
         for step in (1.25, 1.12):
             # Parameters that make up for one another are found together only.
