@@ -43,7 +43,7 @@ class Robot:
 
     def __init__(self, node, prefix=''):
         self._node, self.arm, self.refused = node, FakeArm(MODEL, HOME), []
-        self.residuals = True
+        self.residuals, self.tared = True, False
         self.arm.load, self.order = products_from_message(load_vector(MASS)), list(range(6))
         self._states = node.create_publisher(JointState, f'{prefix}joint_states', OUTPUT)
         self._load = node.create_publisher(InertiaStamped, f'{prefix}estimator/load', OUTPUT)
@@ -55,6 +55,7 @@ class Robot:
                                              LATCHED)
         self._residual = node.create_publisher(JointState, f'{prefix}estimator/residual_torque',
                                                OUTPUT)
+        self._known = node.create_publisher(InertiaStamped, f'{prefix}estimator/known_load', LATCHED)
         node.create_subscription(
             JointTrajectory, f'{prefix}joint_trajectory_controller/joint_trajectory',
             self._take, OUTPUT)
@@ -85,12 +86,15 @@ class Robot:
                              velocity=v[self.order].tolist(), effort=[0.0] * 6)
         message.header.stamp = stamp
         self._states.publish(message)
-        self._load.publish(inertia_message(load_vector(MASS), stamp, 'tool0'))
+        held, zero = load_vector(MASS), np.zeros(10)
+        self._load.publish(inertia_message(zero if self.tared else held, stamp, 'tool0'))
+        self._known.publish(inertia_message(held if self.tared else zero, stamp, 'tool0'))
         covariance = covariance_of(0.05)
         self._variance.publish(inertia_message(np.diag(covariance), stamp, 'tool0'))
         self._covariance.publish(covariance_message(covariance))
         self._status.publish(DiagnosticStatus(message='DETERMINED', values=[
-            KeyValue(key='load_id', value='1')]))
+            KeyValue(key='load_id', value='1'),
+            KeyValue(key='tared mass [kg]', value=str(MASS * self.tared))]))
         if self.residuals:
             self._residual.publish(residual_message(
                 JOINTS, self.arm.residual(self.now()), stamp))
@@ -253,6 +257,19 @@ def test_missing_residual_torques_are_said(listener, start, model_file):
     robot.residuals = False
     listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 3.0, 'the warning')
     assert 'no collision would be noticed' in collision()[1]
+
+
+def test_what_was_tared_is_still_held(listener, start, model_file):
+    start('controller', *arguments(model_file))
+    heard, robot = listening(listener), Robot(listener.node)
+    robot.tared = True
+    listener.until(lambda: 'done' in phases(heard), 40.0, 'the end of the cycle')
+    # The residual torque shows it all the time: counted out, it would be a collision.
+    assert not any(m.data for m in heard.collision)
+    masses = {float(pair.value) for message in heard.diagnostics for status in message.status
+              for pair in status.values if status.name == 'controller: load'
+              and status.message == 'the estimate is used' and pair.key == 'mass [kg]'}
+    assert masses and all(mass == pytest.approx(MASS) for mass in masses)
 
 
 def test_mean_and_covariance_of_one_estimate_are_paired_in_any_order():

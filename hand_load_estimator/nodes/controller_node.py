@@ -28,7 +28,8 @@ from ..robot import load_robot
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
-from .diagnostics import Diagnostics, ERROR, OK, WARN
+from .controller_report import report_collision, report_load, report_motion
+from .diagnostics import Diagnostics
 from .draining import subscribe_draining
 from .estimate_messages import KNOWN_MASSES, vector_of_inertia
 from .input_report import InputReport
@@ -126,9 +127,10 @@ class ControllerNode(Node):
 
     def _create_diagnostics(self):
         self._diagnostics = Diagnostics(self, hardware_id=self._robot.name)
-        self._diagnostics.add('motion', self._report_motion)
-        self._diagnostics.add('load', self._report_load)
-        self._diagnostics.add('collision', self._report_collision)
+        self._diagnostics.add('motion', lambda: report_motion(
+            self._supervisor, self._trajectory.get_subscription_count() > 0, not self._no_clock))
+        self._diagnostics.add('load', lambda: report_load(self._supervisor.policy))
+        self._diagnostics.add('collision', lambda: report_collision(self._supervisor))
         self._diagnostics.add('input', self._report_input)
 
     def _now(self):
@@ -260,47 +262,6 @@ class ControllerNode(Node):
     def _changed(self, what, value):
         before, self._said[what] = self._said.get(what), value
         return before != value
-
-    def _report_motion(self):
-        supervisor, move = self._supervisor, self._supervisor.move
-        values = {'phase': supervisor.phase, **supervisor.counts}
-        if move is not None:
-            values.update({'planned for': f'{move.basis} load', 'move time [s]': move.duration,
-                           'acceleration time [s]': move.profile.acceleration_time,
-                           'deceleration time [s]': move.profile.deceleration_time})
-        if supervisor.phase == 'stopped':
-            return ERROR, f'{supervisor.stop_reason}; call ~/reset, then ~/start', values
-        if self._no_clock:
-            return WARN, 'use_sim_time is set and no /clock arrives: nothing moves', values
-        if self._trajectory.get_subscription_count() == 0:
-            return WARN, 'nobody takes joint_trajectory_controller/joint_trajectory', values
-        if move is not None and not move.feasible:
-            return WARN, move.reason, values
-        if supervisor.tries:
-            return WARN, f'the arm does not follow; try {supervisor.tries + 1}', values
-        if supervisor.phase == 'waiting':
-            return OK, 'waiting for ~/start', values
-        return OK, supervisor.phase, values
-
-    def _report_load(self):
-        policy = self._supervisor.policy
-        values = {'caution': policy.caution, 'basis': policy.belief.source,
-                  'mass [kg]': float(policy.belief.mean[0])}
-        if policy.trusted:
-            return OK, 'the estimate is used', values
-        return WARN, f'the rated load is used: {policy.reason}', values
-
-    def _report_collision(self):
-        supervisor = self._supervisor
-        values = {}
-        if supervisor.in_force is not None:
-            values = {f'threshold {joint} [Nm]': float(value) for joint, value in
-                      zip(self._robot.joints, supervisor.in_force.threshold)}
-        if supervisor.detector.collided:
-            return ERROR, supervisor.stop_reason, values
-        if supervisor.policy.blind:
-            return WARN, f'{supervisor.policy.blind}; moves keep the rated load\'s limits', values
-        return OK, 'no collision', values
 
     def _report_input(self):
         rejected = self._guard.rejected + self._rejected
