@@ -145,6 +145,8 @@ class ControllerNode(Node):
         if accepted is None:
             return
         q, v, _ = accepted
+        if self._no_clock:
+            return
         if self._guard.restarted:
             self._offset.restart()
         # When it was measured, in this node's time: one that has waited in a queue is old.

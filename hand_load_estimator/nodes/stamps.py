@@ -1,5 +1,7 @@
 """Message stamps to seconds and back, without losing microseconds to large numbers."""
 
+import math
+
 from builtin_interfaces.msg import Time
 
 
@@ -29,30 +31,32 @@ class ClockOffset:
     """
     What this node's clock is ahead of the clock that stamps the joint states.
 
-    The smallest offset seen is that of a message that came at once; what is above it has waited.
-    It may grow by DRIFT, as clocks run apart.
+    The smallest offset of the last second or two is that of a message that came at once; what is
+    above it has waited. What was longer ago counts no more: clocks run apart, and jump.
     """
 
-    DRIFT = 1e-3  # [s/s]
+    KEPT = 1.0  # [s]
 
     def __init__(self):
         self.restart()
 
     def restart(self):
         """Begin anew, as after a jump of either clock."""
-        self._offset, self._updated = 0.0, None
+        self._since, self._before, self._least = None, math.inf, 0.0
 
     def update(self, now, stamp):
         """Take a stamp [s] that arrived at `now` [s]; return it in this node's time [s]."""
         seen = now - stamp
-        if self._updated is not None:
-            seen = min(seen, self._offset + self.DRIFT * max(now - self._updated, 0.0))
-        self._offset, self._updated = seen, now
+        if self._since is None:
+            self._since, self._least = now, seen
+        elif not 0.0 <= now - self._since < self.KEPT:
+            self._since, self._before, self._least = now, self._least, seen
+        self._least = min(self._least, seen)
         return self.here(stamp)
 
     def here(self, stamp):
         """Return a stamp [s] in this node's time [s]."""
-        return stamp + self._offset
+        return stamp + min(self._before, self._least)
 
 
 def time_message(nanoseconds):
