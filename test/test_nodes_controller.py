@@ -8,6 +8,7 @@ import pytest
 from control_helpers import HOME, PICK, FakeArm, FakeModel, covariance_of, load_vector
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import InertiaStamped
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
@@ -257,6 +258,21 @@ def test_missing_residual_torques_are_said(listener, start, model_file):
     robot.residuals = False
     listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 3.0, 'the warning')
     assert 'no collision would be noticed' in collision()[1]
+
+
+def test_joint_states_before_the_first_clock_do_not_hold_it_up(listener, start, model_file):
+    start('controller', *arguments(model_file, use_sim_time='true'))
+    heard, node, robot = listening(listener), listener.node, Robot(listener.node)
+
+    def said(concern):
+        return [status.message for message in heard.diagnostics for status in message.status
+                if status.name == f'controller: {concern}']
+
+    listener.until(lambda: 'joint states arrive' in ' '.join(said('input')[-1:]), 30.0, 'input')
+    assert 'no /clock arrives' in said('motion')[-1] and not robot.received
+    clock = node.create_publisher(Clock, '/clock', OUTPUT)
+    node.create_timer(0.01, lambda: clock.publish(Clock(clock=node.get_clock().now().to_msg())))
+    listener.until(lambda: 'to_pick' in phases(heard), 20.0, 'a motion')
 
 
 def test_what_was_tared_is_still_held(listener, start, model_file):
