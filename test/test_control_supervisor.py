@@ -316,6 +316,10 @@ def test_what_is_held_beside_the_estimate_counts():
     policy.status(cell.now, 'DETERMINED', '1', 3.0)
     policy.update(cell.now, True)
     assert 'are known here' in policy.reason and policy.belief.source == 'rated'
+    policy.status(cell.now, 'DETERMINED', '1', float('nan'))
+    policy.update(cell.now, True)
+    assert not policy.trusted
+    policy.status(cell.now, 'DETERMINED', '1', 3.0)
     policy.known = before.mean.copy()
     policy.update(cell.now, True)
     assert policy.trusted

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from control_helpers import HOME, PICK, FakeArm, FakeModel, covariance_of, load_vector
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import InertiaStamped
+from geometry_msgs.msg import Inertia, InertiaStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String
@@ -213,6 +213,8 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
     covariance = node.create_publisher(Float64MultiArray, '/cell/estimator/load_covariance',
                                        OUTPUT)
     residual = node.create_publisher(JointState, '/cell/estimator/residual_torque', OUTPUT)
+    known = node.create_publisher(InertiaStamped, '/cell/estimator/known_load', LATCHED)
+    status = node.create_publisher(DiagnosticStatus, '/cell/estimator/status', LATCHED)
 
     def nonsense():
         for fields in ({'name': JOINTS, 'position': [0.0]}, {'name': []},
@@ -222,6 +224,9 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
             message.header.stamp = node.get_clock().now().to_msg()
             states.publish(message)
         covariance.publish(Float64MultiArray(data=[1.0, 2.0]))
+        known.publish(InertiaStamped(inertia=Inertia(m=float('nan'))))
+        status.publish(DiagnosticStatus(message='DETERMINED', values=[
+            KeyValue(key='tared mass [kg]', value='heavy')]))
         covariance.publish(Float64MultiArray(data=[float('nan')] * 100))
         residual.publish(JointState(name=JOINTS, effort=[float('nan')] * 6))
         residual.publish(JointState(name=JOINTS[:2], effort=[1.0]))
@@ -238,7 +243,7 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
     rejected = {pair.key: int(pair.value) for pair in said('input').values
                 if pair.key.startswith('rejected')}
     for reason in ('short_arrays', 'not_finite', 'missing_joint', 'residual_joints',
-                   'residual_not_finite', 'estimate_not_finite'):
+                   'residual_not_finite', 'estimate_not_finite', 'known_load_not_finite'):
         assert rejected[f'rejected {reason}'] > 0, rejected
 
 

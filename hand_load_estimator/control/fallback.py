@@ -126,7 +126,9 @@ class LoadPolicy:
                 return f'the last {what} is {now - since:.2f} s old'
         if self._status not in TRUSTED:
             return f'the estimator says {self._status}'
-        if abs(self.known[0] - self._known_mass) > _SAME_MASS * max(1.0, abs(self._known_mass)):
+        # A mass that is no number is not known here either.
+        apart = abs(self.known[0] - self._known_mass)
+        if not apart <= _SAME_MASS * max(1.0, abs(self._known_mass)):
             return (f'{self._known_mass:.3g} kg are held beside the estimate (tool, tare), and '
                     f'{self.known[0]:.3g} kg of them are known here')
         if self._expected_after is not None:

@@ -200,8 +200,7 @@ class ControllerNode(Node):
     def _on_status(self, message):
         values = {pair.key: pair.value for pair in message.values}
         self._supervisor.policy.status(
-            self._now(), message.message, values.get('load_id', ''),
-            sum(float(values.get(key, 0.0)) for key in KNOWN_MASSES))
+            self._now(), message.message, values.get('load_id', ''), _known_mass(values))
 
     def _on_residual(self, message):
         torque = effort_by_name(message, self._robot.joints)
@@ -277,6 +276,14 @@ class ControllerNode(Node):
         self._send(self._supervisor.stop())
         # Destroyed at once, a publisher may take its last message with it.
         self._trajectory.wait_for_all_acked(Duration(seconds=_LAST_WORDS))
+
+
+def _known_mass(values):
+    """Return the mass [kg] that a status tells of beside the estimate, NaN where it is no number."""
+    try:
+        return sum(float(values.get(key, 0.0)) for key in KNOWN_MASSES)
+    except ValueError:
+        return float('nan')
 
 
 def _stamped_vector(message):
