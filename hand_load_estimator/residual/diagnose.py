@@ -80,15 +80,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     refitted = bool(again and own and kept)
     old = better_model(model, (), evidence) if refitted else model
     before, after, rest_of_test = _errors(old, better, test)
-    left = unexplained_joints(residual, rest)
-    odd = left + trace.unexplained()
-    findings = findings_of(model, better, residual, trace, odd) \
-        + disturbance_findings(model.robot, names, whole, outside.found, odd) \
-        + unknown_left(model, residual, rest, left, trace)
-    findings, doubts = refuted(findings, model.robot.joints, before, after)
-    findings, wrong = on_wrong_footing(findings, model.robot.joints, model, better)
-    if residual.cut.shown is not None:
-        findings = only_suspected(findings)
+    findings, doubts = _found((model, better), residual, (trace, rest),
+                              (names, whole, outside.found), (before, after))
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*by_name, *told, *sentences, *still.values(), *limited,
@@ -101,9 +94,29 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=wrong + doubts + sentences_on(structure, model.robot.joints),
+        remains=doubts + sentences_on(structure, model.robot.joints),
         structure=structure,
         sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
+
+
+def _found(models, residual, traced, outside, errors):
+    """
+    Return Findings with the verdicts that hold, and sentences on why some do not.
+
+    models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names and Residual of
+    whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test.
+    """
+    (model, better), (trace, rest), joints = models, traced, models[0].robot.joints
+    left = unexplained_joints(residual, rest)
+    odd = left + trace.unexplained()
+    findings = findings_of(model, better, residual, trace, odd) \
+        + disturbance_findings(model.robot, *outside, odd) \
+        + unknown_left(model, residual, rest, left, trace)
+    findings, doubts = refuted(findings, joints, *errors)
+    findings, wrong = on_wrong_footing(findings, joints, model, better)
+    if residual.cut.shown is not None:
+        findings = only_suspected(findings)
+    return findings, wrong + doubts
 
 
 def _residual(model, evidence):
