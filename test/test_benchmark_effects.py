@@ -55,6 +55,7 @@ def result(hidden, findings, kind='single', strength=2.0, torque=(2.0, 1.0), mas
             'findings': findings, 'parameters': [], 'seconds': 100.0,
             'torque': {'before': [torque[0], 1.0], 'after': [torque[1], 1.0],
                        'without': [1.0, 1.0]},
+            'seen': {'before': [torque[0], 0.0], 'after': [torque[1], 0.0], 'known': [0.5, 0.0]},
             'mass': {key: {'3 s': [value, -value], 'end': [0.5 * value]} for key, value in
                      zip(('before', 'after', 'without'), (*mass, 0.2))}, **more}
 
@@ -253,6 +254,7 @@ def test_totals_and_goals_are_judged_on_the_figures():
     assert [verdicts({**total, 'clean': [20, false]})[5][3] for false in (1, 2)] == [True, False]
     assert rows['both of a pair right'][1] is False
     assert [good for what, (_, good) in rows.items() if what.startswith('torque')] == [False]
+    assert rows['the same within 1.15 x of what the true law of the effect leaves'][1] is False
     assert rows['seconds per diagnosis, median and longest'] == ('100, 100', True)
     slow = totals([result([], [], 'clean', seconds=181.0)] * 2)
     assert not verdicts(slow)[-1][3]
@@ -280,14 +282,16 @@ def test_torque_and_mass_goals_hold_where_every_case_is_within():
     far = result(delay, [], torque=(2.0, 1.2), mass=(0.4, 0.31))
     for cases_, good in ((near, True), ([*near, far], False)):
         rows = [r for r in verdicts(totals(cases_)) if r[1] == 'every case']
-        assert [row[3] for row in rows] == [good, good] and len(rows) == 2
-    assert [row[2] for row in rows] == [
+        assert [row[3] for row in rows] == [good, False, good] and len(rows) == 3
+    assert [row[2] for row in rows[::2]] == [
         '90.0 % (9 of 10; 95 % interval 59.6 to 98.2 %); median 1.10 x, worst 1.20 x; median '
         'before 2.00 x',
         '90.0 % (9 of 10; 95 % interval 59.6 to 98.2 %); median 1.00 x, worst 1.55 x; median '
         'before 2.00 x']
     (case,) = beyond(totals(cases_), 'torque', 1.15)
     assert case['torque'] == pytest.approx({'before': 2.0, 'after': 1.2})
+    # The joint that no row of is judged has no say.
+    assert case['seen'] == pytest.approx({'before': 4.0, 'after': 2.4})
     # A ratio that is no number is not within.
     assert beyond({'ratios': [{'torque': {'after': float('nan')}}]}, 'torque', 1.15)
 
@@ -314,7 +318,7 @@ def test_the_page_shows_what_was_measured():
     assert 'deviations: 0.0 % (0 of 1; ' in page and '; 1 of 2 have none' in page
     assert 's: not so strong' in page and 'f: ValueError: broke' in page
     # Beyond the goals: the second case, in torque and in mass.
-    assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 3.000 | 2.000 |' in page
+    assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 3.00 | 2.00 | 4.00 |' in page
     assert f'| `time_delay` | 2 | {JOINT} | {PLANT} | confused | 400.0 | 200.0 | 100.0 | 2.00 |' \
         in page
 
@@ -359,6 +363,9 @@ def test_a_small_case_from_plant_to_result(small, tmp_path, monkeypatch):
     torque = {key: np.array(value) for key, value in found['torque'].items()}
     assert torque['before'][1] > 2.0 * torque['without'][1]
     assert torque['after'][1] < 1.5 * torque['without'][1]
+    seen = {key: np.array(value) for key, value in found['seen'].items()}
+    assert seen['before'][1] > 2.0 * seen['known'][1]
+    np.testing.assert_allclose(seen['known'], torque['without'], rtol=0.2)
     assert set(found['mass']) == {'before', 'after', 'without'}
     assert all(len(errors) == 1 for kind in found['mass'].values() for errors in kind.values())
     # What is there is read, not made again.

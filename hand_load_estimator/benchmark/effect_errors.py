@@ -14,21 +14,27 @@ MASS_MOMENTS = (f'{MASS_TIME:g} s', 'end')
 
 def torque_rmse(model, evidence):
     """Return the RMS (n,) [Nm] of what a TorqueModel leaves of moving joints' torque."""
-    total, count = np.zeros(model.robot.n), np.zeros(model.robot.n)
-    for recording in evidence:
-        difference = _differences(model, recording.motion)
-        moving = np.abs(recording.motion.v) > MOVING
-        total += np.sum(moving * difference ** 2, axis=0)
-        count += moving.sum(axis=0)
-    return np.sqrt(total / np.maximum(count, 1))
+    motions = [recording.motion for recording in evidence]
+    return rms([differences(model, motion) for motion in motions], list(map(moving, motions)))
 
 
-def _differences(model, motion):
+def moving(motion):
+    """Return (N, n) bool: the joints of a Motion that move."""
+    return np.abs(motion.v) > MOVING
+
+
+def rms(left, rows):
+    """Return the RMS (n,) [Nm] of what is left (N, n) at rows (N, n) of several recordings."""
+    total = sum(np.sum(used * error ** 2, axis=0) for error, used in zip(left, rows))
+    return np.sqrt(total / np.maximum(sum(used.sum(axis=0) for used in rows), 1))
+
+
+def differences(model, motion):
     """Return tau_real - tau_mdl (N, n) along a Motion, as it is followed at run time."""
     follower = ModelFollower(model)
-    rows = zip(motion.stamp, motion.dt, motion.q, motion.v, motion.a, motion.effort,
-               motion.temperature)
-    return np.array([follower.update(MotionSample(*row, False)).difference for row in rows])
+    samples = zip(motion.stamp, motion.dt, motion.q, motion.v, motion.a, motion.effort,
+                  motion.temperature)
+    return np.array([follower.update(MotionSample(*row, False)).difference for row in samples])
 
 
 def mass_errors(model, loaded):

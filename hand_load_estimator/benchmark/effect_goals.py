@@ -27,7 +27,7 @@ def verdicts(total):
     rows.append(('confirmed on clean plants', f'<= 1 on {CLEAN_SETS}', f'{false} on {clean}{few}',
                  false <= 1 and not few) if clean else None)
     if total['ratios']:
-        rows += [_torque(total), *_mass(total), _mass_per_case(total)]
+        rows += [*_torque(total), *_mass(total), _mass_per_case(total)]
     if total['seconds']:
         worst = max(total['seconds'])
         rows.append(('seconds per diagnosis, median and longest', f'<= {SECONDS_GOAL:g}',
@@ -59,8 +59,11 @@ def _every(what, total, figure, goal):
 
 
 def _torque(total):
-    return _every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect '
-                  '(single, strength 2 and 5)', total, 'torque', TORQUE_GOAL)
+    """Return the rows of torque error, over no effect and over its own law."""
+    return (_every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect '
+                   '(single, strength 2 and 5)', total, 'torque', TORQUE_GOAL),
+            _every(f'the same within {TORQUE_GOAL:g} x of what the true law of the effect leaves',
+                   total, 'seen', TORQUE_GOAL))
 
 
 def _mass(total):

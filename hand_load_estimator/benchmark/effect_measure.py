@@ -7,9 +7,9 @@ from ..plant.effects_file import parse_effects
 from ..report.diagnosis_json import diagnosis_content
 from ..robot import load_robot
 from .effect_cases import place
-from .effect_errors import mass_errors, torque_rmse
+from .effect_errors import differences, mass_errors, rms, torque_rmse
 from .effect_outcome import naming
-from .effect_recordings import new_arm, record
+from .effect_recordings import new_arm, record, tested_floors
 from .effect_truth import model_change, stated, true_change
 
 
@@ -33,20 +33,21 @@ def case_result(case, robot_path):
     except ConfigurationError as error:
         return {**out, 'skipped': str(error)}
     out['effects'] = [{'joints': [], **entry} for entry in entries]
-    arm, recordings = prepared(case, entries, robot_path)
+    arm, recordings, floors = prepared(case, entries, robot_path)
     diagnosis, better, seconds = diagnosis_of(arm.model, recordings.evidence, recordings.test)
     said = _said(diagnosis)
     return {**out, **said, 'seconds': seconds,
             'parameters': _parameters(robot, case.plant, entries, (arm.model, better),
                                       said['findings']),
-            **_errors(arm, better, recordings)}
+            **_errors(arm, better, recordings, floors)}
 
 
 def prepared(case, entries, robot_path):
-    """Return the NewArm of a case and the Recordings of it with the effects of `entries`."""
+    """Return the NewArm of a case, Recordings with the effects of `entries`, and their Floors."""
     arm = new_arm(str(robot_path), case.plant)
-    robot = arm.model.robot
-    return arm, record(robot, case.plant, parse_effects(entries, robot))
+    effects = parse_effects(entries, arm.model.robot)
+    return (arm, record(arm.model.robot, case.plant, effects),
+            tested_floors(arm.model, case.plant, effects))
 
 
 def _said(diagnosis):
@@ -74,11 +75,16 @@ def _parameters(robot, plant, entries, models, findings):
     return out
 
 
-def _errors(arm, better, recordings):
+def _errors(arm, better, recordings, floors):
     """Return errors of the new arm's model and of the better one, and without the effect."""
+    motions, rows = [e.motion for e in recordings.test], [floor.rows for floor in floors]
+    left = {'before': [differences(arm.model, motion) for motion in motions],
+            'after': [differences(better, motion) for motion in motions],
+            'known': [floor.left for floor in floors]}
     return {
         'torque': {'before': torque_rmse(arm.model, recordings.test).tolist(),
                    'after': torque_rmse(better, recordings.test).tolist(),
                    'without': arm.torque.tolist()},
+        'seen': {when: rms(those, rows).tolist() for when, those in left.items()},
         'mass': {'before': mass_errors(arm.model, recordings.loaded),
                  'after': mass_errors(better, recordings.loaded), 'without': arm.mass}}

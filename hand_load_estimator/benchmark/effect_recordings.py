@@ -14,6 +14,7 @@ from ..simulate_motions import named_motion
 from .cases import case_run, draw_case, identification_evidence, simulated
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
+from .effect_floor import floor_of
 
 # Motion, temperature [degC], seconds. The new arm was seen in these motions at the other's
 # temperatures (cases.IDENTIFICATION), and in other draws of them.
@@ -56,10 +57,24 @@ def record(robot, plant, effects=()):
                       tuple((case, case_run(robot, case, effects)) for case in drawn))
 
 
-def _evidence(robot, plant, k, name, temperature, seconds, effects):
+def tested_floors(model, plant, effects):
+    """Return the Floors of a plant's test recordings; model: its TorqueModel without effects."""
+    out = []
+    for k, (name, temperature, seconds) in enumerate(TESTED, start=len(DIAGNOSED)):
+        motion, arguments = _run(model.robot, plant, k, name, temperature, seconds)
+        out.append(floor_of(model, motion, effects, **arguments))
+    return out
+
+
+def _run(robot, plant, k, name, temperature, seconds):
+    """Return the Trajectory of recording k and the Plant's arguments in it."""
     motion = named_motion(name, robot, seconds, 1.0, 10 * plant + _FIRST_MOTION + k)
-    samples = simulated(robot, motion, seed=plant, run=_FIRST_MOTION + k,
-                        start_temperature=temperature, effects=effects)
+    return motion, {'seed': plant, 'run': _FIRST_MOTION + k, 'start_temperature': temperature}
+
+
+def _evidence(robot, plant, k, name, temperature, seconds, effects):
+    motion, arguments = _run(robot, plant, k, name, temperature, seconds)
+    samples = simulated(robot, motion, effects=effects, **arguments)
     label = f'plant {plant}, {name} at {temperature:g} degC, {k + 1}'
     return prepare(robot, label, Motion.of(samples), LoadParameters())
 

@@ -28,6 +28,17 @@ def torque_ratio(result, when):
     return float(np.max(np.array(torque[when]) / np.array(torque['without'])))
 
 
+def seen_ratio(result, when):
+    """
+    Return RMSE over what the known law of the effect leaves (effect_floor.py), likewise.
+
+    On rows of the Floors; joints without any are left out.
+    """
+    known = np.array(result['seen']['known'])
+    there = known > 0.0
+    return float(np.max(np.array(result['seen'][when])[there] / known[there]))
+
+
 def mass_ratio(results, when, moment):
     """Return mass RMSE over that of the plants without the effects, all runs together."""
     errors, without = ([e for r in results for e in r['mass'][key][moment]]
@@ -165,6 +176,7 @@ def _ratios(result):
     return {'name': effect['name'], 'strength': effect['strength'], 'plant': result['plant'],
             'joints': result['effects'][0]['joints'], 'outcome': effect['outcome'],
             'torque': {when: torque_ratio(result, when) for when in ('before', 'after')},
+            'seen': {when: seen_ratio(result, when) for when in ('before', 'after')},
             'mass': {when: mass_ratio([result], when, end) for when in ('before', 'after')},
             'mass_rmse': {when: _rms(result['mass'][when][end])
                           for when in ('before', 'after', 'without')}}

@@ -122,6 +122,13 @@ class Arm:
         self.velocity[:] = speed
         return torque
 
+    def required_torque(self, position, velocity, acceleration):
+        """Return the torque (n,) beside gravity that a motion takes; `accelerate` is due after."""
+        self.position[:], self.velocity[:] = position, velocity
+        self.acceleration[:] = acceleration
+        mujoco.mj_inverse(self._model, self._data)
+        return self._data.qfrc_inverse.copy()
+
     def hand(self):
         """Return position (3,), rotation (3, 3), Jacobian (3, n) of the load frame's origin."""
         mujoco.mj_kinematics(self._model, self._data)
