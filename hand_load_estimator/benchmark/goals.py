@@ -5,9 +5,11 @@ from itertools import product
 from math import isfinite
 
 from ..load import MESSAGE_ORDER
+from ..motion import BLOCK
 from .changes import CHANGES, PLANTS
 from .contestants import DEFAULT, NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK, TEXTBOOK_CAREFUL
 from .document import Table
+from .measure import RATE
 from .suites import SUITES
 
 NOT_MEASURED = 'not measured'
@@ -154,15 +156,20 @@ def _network_rows(base):
 
 
 def _cost_rows(content):
-    what, wanted = f'per sample over {REGRESSOR}', 'mean <= 30, p99 told'
+    goals = [(f'{what} over {REGRESSOR}', 'mean <= 30, p99 told') for what in (
+        f'per sample of {1e3 * BLOCK:g} ms', f'per joint state at {RATE:g} Hz, all of it')]
     cost = (content or {}).get('cost')
     if not cost or DEFAULT not in cost:
-        return [GoalRow(what, wanted)]
+        return [GoalRow(*goal) for goal in goals]
     unit = cost[REGRESSOR]['mean']
-    mean, tail = (cost[DEFAULT][key] / unit for key in ('mean', 'p99'))
-    before = content['joint_state']['mean'] / unit
-    told = f'mean {mean:.0f}, p99 {tail:.0f}; each joint state before it {before:.1f}'
-    return [GoalRow(what, wanted, told, bool(mean <= 30.0))]
+    sample, before = cost[DEFAULT], content['joint_state']
+    mean, tail = (sample[key] / unit for key in ('mean', 'p99'))
+    share = 1.0 / (BLOCK * RATE)
+    each = (before['mean'] + share * sample['mean']) / unit
+    told = (f'mean {each:.0f}: guard and filter {before["mean"] / unit:.1f}, and '
+            f'{share:g} of a sample; p99 as of a sample')
+    return [GoalRow(*goals[0], f'mean {mean:.0f}, p99 {tail:.0f}', bool(mean <= 30.0)),
+            GoalRow(*goals[1], told, bool(each <= 30.0))]
 
 
 def _mismatch_rows(base):
