@@ -11,7 +11,7 @@ from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.gp_histogram import GpHistogram, LOCKED, ResidualScale
-from hand_load_estimator.estimators.gp_search import GpSwarm
+from hand_load_estimator.estimators.gp_search import GpEvolution, GpSwarm
 from hand_load_estimator.estimators.histogram import Histogram
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.mass_place import MassPlacePosterior
@@ -266,9 +266,11 @@ def test_e2_7_searches_find_the_peak_of_the_same_density(folder, watched, monkey
         made = pipeline(name, folder)
         found = feed(made, stream(LOAD, 5.0, seed=7))[-1]
         assert (np.abs(found.mean - wanted.mean)[:4] < 4.0 * wanted.std[:4]).all(), name
-        # The last search lies up to half a second back; one more sees all there is.
-        made.method._next = 0.0
-        made.method.settle()
+        # The last search lies up to half a second back: one more sees all there is, and yet another
+        # makes no step any more.
+        for _ in range(2):
+            made.method._next = 0.0
+            made.method.settle()
         found = made.method.belief()
         std = np.sqrt(np.diag(found.covariance))
         assert (np.abs(found.mean - wanted.mean)[:4] < 0.5 * wanted.std[:4]).all(), name
@@ -286,6 +288,24 @@ def test_e2_7_a_search_ends_at_the_optimum_of_a_known_cost(name, folder):
     first, second = (method._search(cost) for _ in range(2))
     np.testing.assert_array_equal(first, second)
     assert cost(first) < 0.2 and np.abs(first - goal).max() < 0.15
+
+
+def test_e2_7_a_search_that_ended_short_goes_on_and_says_so(folder, monkeypatch):
+    made, asked, right = pipeline('gp_evolution', folder), [], GpEvolution._search
+
+    def short(self, cost):
+        """Search, but go only a third of the way the first times."""
+        asked.append(cost)
+        return right(self, cost) * (0.3 if len(asked) <= 8 else 1.0)
+
+    monkeypatch.setattr(GpEvolution, '_search', short)
+    messages = stream(LOAD, 8.0, seed=7)
+    truth, away = LOAD.to_message(), []
+    for message in messages:
+        for found in feed(made, [message]):
+            away.append(np.abs(found.mean - truth)[:4] / found.std[:4])
+    assert len(asked) > 14 and np.max(away) < 4.0
+    assert abs(found.mean[0] - LOAD.mass) < 0.05
 
 
 @pytest.mark.parametrize('name', ['gp_bayes', 'gp_histogram', 'gp_evolution'])

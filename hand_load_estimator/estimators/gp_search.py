@@ -2,9 +2,10 @@
 Methods `gp_swarm`, `gp_evolution`, `gp_annealing`: a search for the best load (E2.7).
 
 In place of the histogram a library looks for the mass and centre of mass with the largest
-posterior density, at intervals and over all data so far; the variance comes from the density's
-curvature there, the inertia by its normal density given them. A search begins around the last
-answer, along the axes of its covariance, and is the same on every run.
+posterior density, at intervals and over all data so far; the inertia comes by its normal density
+given them. The variance is that of the density's curvature there and of half the last step: a
+search that ended short of the best goes on in the next, which looks as far as that variance
+reaches, however sharp the density has become. It is the same on every run.
 """
 
 import numpy as np
@@ -54,7 +55,8 @@ class GpSearch(BesideBayes):
             return np.minimum(start - density, 1e9)
 
         found = self._place + axes @ self._search(cost)
-        self._place, self._covariance = found, posterior.curvature(found)
+        half, self._place = 0.5 * (found - self._place), found
+        self._covariance = posterior.curvature(found) + np.outer(half, half)
         given = posterior.inertia_given(found)
         self._inertia = given.mean, given.covariance, given.slope
 
