@@ -12,12 +12,13 @@ from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.model_report import report_model
 from hand_load_estimator.nodes.stamps import StampBase
 from hand_load_estimator.residual.watch import Aged
+from hand_load_estimator.shared_files import find_shared
 
 THEN = np.array([0.5, 0.41, np.nan, 0.2])
 
 
 def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN,
-             enough=(True,) * 4):
+             enough=(True,) * 4, file='m.yaml', simulated=False):
     """Return what is said of a model with residuals now (4,) [Nm], joints aged."""
     model = exact_model('four')
     model = replace(model, diagnosed=diagnosed,
@@ -27,8 +28,8 @@ def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=T
                   for name in aged)
     watch = SimpleNamespace(aged=found, residual=now, ratio=np.full(4, 2.0),
                             seconds=np.full(4, 60.0), enough=np.array(enough))
-    return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path('m.yaml')), 0.0,
-                        StampBase())
+    return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path(file)), 0.0,
+                        StampBase(), simulated)
 
 
 def test_what_has_grown_since_the_diagnosis_is_told_with_both_figures():
@@ -71,3 +72,13 @@ def test_a_joint_not_judged_yet_has_no_figure():
     _, _, values = reported([0.5, 1.02, 0.0, 0.2], enough=(True, True, False, True))
     assert 'residual j2 [Nm]' not in values and 'residual ratio j2' not in values
     assert values['residual j3 [Nm]'] == 0.2
+
+
+def test_a_real_arm_is_told_that_the_shipped_model_is_none_of_its_own():
+    shipped = find_shared('ur10e', 'models')
+    level, message, _ = reported([0.5] * 4, (), file=shipped)
+    assert level == WARN and 'simulated arm: identify your own' in message
+    assert reported([0.5] * 4, (), file=shipped, simulated=True)[0] == OK
+    assert reported([0.5] * 4, ())[0] == OK
+    both = reported([0.5] * 4, file=shipped)[1]
+    assert both.startswith('model has aged: j1') and both.endswith('arm is simulated')

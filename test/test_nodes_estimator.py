@@ -223,6 +223,11 @@ def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder
     assert 'run hand_load check' in told[-1].message and estimator.mass()[0] < -1.0
 
 
+def test_a_real_arm_is_told_that_the_shipped_model_is_a_simulated_ones(estimator, listener):
+    listener.until(lambda: 'identify your own' in estimator.said('model')[0], 5.0, 'a warning')
+    assert 'identify your own' in estimator.process.output
+
+
 def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     feeder.play(samples[:300])

@@ -29,7 +29,7 @@ from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
 from .model_choice import robot_and_model
-from .model_report import report_model, told_of_model
+from .model_report import of_another_arm, report_model, told_of_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
 from .runner import run_node
@@ -78,6 +78,11 @@ class EstimatorNode(Node):
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
                                f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
                                f'checkpoint: {self._checkpoint.told}')
+        if other := of_another_arm(self._pipeline, self._simulated()):
+            self.get_logger().warning(other)
+
+    def _simulated(self):
+        return self.get_parameter('use_sim_time').value
 
     def _use(self, pipeline):
         self._model_written = pipeline.model_file.stat().st_mtime
@@ -114,7 +119,7 @@ class EstimatorNode(Node):
         self._diagnostics.add('input', lambda: self._input.report(self._pipeline))
         self._diagnostics.add('estimate', self._report_estimate)
         self._diagnostics.add('model', lambda: report_model(
-            self._pipeline, self._model_written, self._base))
+            self._pipeline, self._model_written, self._base, self._simulated()))
         self._diagnostics.add('checkpoint', self._checkpoint.report)
 
     def _on_joint_state(self, message):

@@ -4,17 +4,19 @@ from datetime import datetime
 
 import numpy as np
 
+from ..shared_files import is_shipped
 from .diagnostics import OK, WARN
 
 # A residual within this factor of the one at the last diagnosis has not grown since.
 GROWN = 1.2
 
 
-def report_model(pipeline, written, base):
+def report_model(pipeline, written, base, simulated):
     """
     Return (level, message, values) about a Pipeline's model.
 
-    written: time its file was last written [s since 1970]; base: StampBase of the input.
+    written: time its file was last written [s since 1970]; base: StampBase of the input;
+    simulated: whether time comes from a simulator.
     """
     watch, model = pipeline.watch, pipeline.model
     ratio, residual = (np.where(watch.enough, x, np.nan) for x in (watch.ratio, watch.residual))
@@ -26,15 +28,26 @@ def report_model(pipeline, written, base):
     values['written'] = _date(written)
     values['diagnosed'] = model.diagnosed or 'not known'
     values['recordings'] = ', '.join(model.recording_names) or 'none'
-    aged = watch.aged
-    if aged:
+    told = []
+    if aged := watch.aged:
         values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))
         told = [f'{_told(a, base)}{_since_diagnosis(a, model)}' for a in aged]
-        return WARN, f'model has aged: {"; ".join(told)}', values
+        told[0] = f'model has aged: {told[0]}'
+    told += filter(None, [of_another_arm(pipeline, simulated)])
+    if told:
+        return WARN, '; '.join(told), values
     if not watch.enough.all():
         few = [joint for joint, enough in zip(model.robot.joints, watch.enough) if not enough]
         return OK, f'too little motion yet to judge {", ".join(few)}', values
     return OK, 'residuals are what the model states', values
+
+
+def of_another_arm(pipeline, simulated):
+    """Return in words that the shipped model is no real arm's, where one may be at work."""
+    if simulated or not is_shipped(pipeline.model_file):
+        return ''
+    return ('the model that comes with the package is of a simulated arm: identify your own '
+            '(hand_load identify), or set use_sim_time where the arm is simulated')
 
 
 def told_of_model(pipeline):
