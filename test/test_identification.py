@@ -273,6 +273,15 @@ def test_a_known_load_gives_the_same_model_as_none(folder):
     assert (np.abs(empty.mean - ignored.mean)[40:] > 8.0 * deviation).any()
 
 
+def test_repeated_motion_is_told(folder, capsys):
+    effects = '--effects=coulomb_friction,viscous_friction'
+    identified(folder, str(folder / 'empty'), effects)
+    assert 'more than once' not in capsys.readouterr().out
+    # The loaded run is the same motion.
+    identified(folder, str(folder / 'empty'), str(folder / 'loaded'), effects)
+    assert '% of the motion is shown more than once' in capsys.readouterr().out
+
+
 def test_what_the_load_argument_says_goes_before_load_yaml(folder):
     write_load_file(folder / 'two.yaml', block(2.0))
     effects = '--effects=coulomb_friction,viscous_friction'

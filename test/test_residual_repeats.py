@@ -10,7 +10,7 @@ from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.folds import cut_into_blocks
-from hand_load_estimator.residual.repeats import first_shown, share_shown
+from hand_load_estimator.residual.repeats import first_shown, share_repeated, share_shown
 from hand_load_estimator.torque_columns import motion_input, torque_columns
 
 DT, JOINTS = 0.02, 4
@@ -162,4 +162,5 @@ def test_a_run_repeated_still_tells_what_its_own_motion_tells():
     assert diagnosis.findings[0].evidence.blocks < 14
     assert not [s for s in diagnosis.cannot_tell if 'repeat' in s]
     assert share_shown(runs[:1], runs[1:]) > 0.95
+    assert share_repeated(runs) == pytest.approx(0.5, abs=0.05) and share_repeated(runs[:1]) < 0.1
     assert share_shown(runs[:1], [of_motion('test', *other, 3)]) < 0.1

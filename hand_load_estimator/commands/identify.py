@@ -9,6 +9,8 @@ import numpy as np
 
 from .recording_arguments import add_recording_arguments, topics
 
+# Share of the motion from which on it is said that it is shown again.
+REPEATED = 0.25
 EXAMPLE = 'hand_load identify run1 run2 --robot ur10e --out model.yaml'
 
 
@@ -50,6 +52,7 @@ def run(args):
     from ..identification import identify
     from ..model_file import write_model
     from ..output_file import output_file
+    from ..residual.repeats import share_repeated
     from ..robot import load_robot
     from ..shared_files import find_shared
     out = output_file(args.out)
@@ -59,6 +62,11 @@ def run(args):
     model = identify(robot, evidence, effects, progress=_say)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
+    again = share_repeated(evidence)
+    if again > REPEATED:
+        print(f'{100.0 * again:.0f} % of the motion is shown more than once: what is held out has '
+              'its twin in what is fitted, so the errors in other motions are larger; record other '
+              'motions (hand_load excite)')
     return 0
 
 

@@ -56,12 +56,27 @@ def first_shown(q, v, dt, owner):
 
 def share_shown(evidence, test):
     """Return the share of the motion of test Evidence that other Evidence has shown before."""
-    motions, count = [e.motion for e in (*evidence, *test)], len(evidence)
+    shown, dt, owner = _shown_by((*evidence, *test))
+    moved = dt * (shown.moving & (owner >= len(evidence)))
+    return _share(moved, owner[shown.first] < len(evidence))
+
+
+def share_repeated(evidence):
+    """Return the share of the motion of Evidence that it has shown before itself."""
+    shown, dt, _ = _shown_by(evidence)
+    return _share(dt * shown.moving, ~shown.fresh)
+
+
+def _shown_by(evidence):
+    """Return the Shown of all Evidence one after another, dt (N,) [s], which of them (N,)."""
+    motions = [e.motion for e in evidence]
     owner = np.concatenate([np.full(len(m.dt), k) for k, m in enumerate(motions)])
     q, v, dt = (np.concatenate([getattr(m, name) for m in motions]) for name in ('q', 'v', 'dt'))
-    shown = first_shown(q, v, dt, owner)
-    moved = dt * (shown.moving & (owner >= count))
-    return float(moved @ (owner[shown.first] < count)) / max(float(moved.sum()), 1e-9)
+    return first_shown(q, v, dt, owner), dt, owner
+
+
+def _share(moved, rows):
+    return float(moved @ rows) / max(float(moved.sum()), 1e-9)
 
 
 def _spaced(time, moving, owner):
