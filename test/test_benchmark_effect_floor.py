@@ -1,4 +1,4 @@
-"""What the true law of an effect leaves of the torque error, whatever the effect is."""
+"""What is left of the torque error where the effect is known, whatever the effect is."""
 
 import numpy as np
 from plant_helpers import ur10e
@@ -32,7 +32,7 @@ def model(brief):
 
 def floor(model, name=None, **entry):
     """
-    Return RMS (n,) that the law of an effect of the elbow leaves, and that the model leaves.
+    Return RMS (n,) left where an effect of the elbow is known, and of what the model leaves.
 
     Further the rows that are judged and the recorded positions, (N, n) each.
     """
@@ -53,14 +53,14 @@ def clean(model):
     return known
 
 
-@pytest.mark.parametrize('name, most', [
-    ('gravity_spring', 1.05), ('coulomb_friction', 1.3), ('torque_offset', 1.05),
-    ('stribeck_friction', 1.6), ('torque_ripple', 1.1)])
-def test_it_is_near_what_is_left_without_the_effect(model, clean, name, most):
-    known, left, *_ = floor(model, name, strength=4.0)
-    assert left[2] > 2.5 * clean[2]
-    assert 0.9 * clean[2] < known[2] < most * clean[2]
-    np.testing.assert_allclose(np.delete(known, 2), np.delete(clean, 2), rtol=0.1)
+@pytest.mark.parametrize('name', [
+    'gravity_spring', 'coulomb_friction', 'torque_offset', 'stribeck_friction', 'torque_ripple',
+    'load_dependent_friction', 'rotor_inertia', 'viscous_friction'])
+def test_it_is_near_what_is_left_without_the_effect(model, clean, name):
+    known, left, *_ = floor(model, name, strength=3.0)
+    assert left[2] > 1.5 * clean[2]
+    # The motion differs a little, and with it what the model leaves.
+    np.testing.assert_allclose(known, clean, rtol=0.08)
 
 
 def test_a_gain_scales_what_the_model_never_explained(model, clean):
@@ -80,4 +80,4 @@ def test_rows_begin_when_friction_has_forgotten_how_it_began(model, clean):
     first = int(np.argmax(rows[:, 2]))
     assert first > np.argmax(rows[:, 3])
     assert np.ptp(q[:first + 1, 2]) == pytest.approx(FORGOTTEN * travel, rel=0.1)
-    assert known[2] < 1.2 * clean[2] and left[2] > 2.0 * clean[2]
+    assert known[2] < 1.1 * clean[2] and left[2] > 2.0 * clean[2]

@@ -1,12 +1,13 @@
 """
-What no model can take off a torque error: what is left where the law of the effect is known.
+What a torque error would be if all of a hidden effect were known: the yardstick of a diagnosis.
 
-Between a diagnosis and the error without the effect stands what is none of its own. Friction begins
-where a motion that nobody saw left it, and an effect may make the way long until that is
-forgotten: only rows after it are judged here. The motion is known as it is measured, so the
-effect's own law with its true figures is led along that (plant/led_plant.py). A gain scales all
-torque, what the model never explained too; a delay shows the torque of a moment when the joint
-may have stood, whose error is another: so the first model's error is carried through both.
+Between a diagnosis and the error without the effect stands what is none of its own. Friction
+begins where a motion that nobody saw left it, and an effect may make the way long until that is
+forgotten: only rows after it are judged here. A gain scales all torque, what the model never
+explained too; a delay shows the torque of a moment when the joint may have stood. So the arm is
+led along its own true motion without the effect (plant/led_plant.py), and the first model's error
+of that torque is carried through gain and delay. A diagnosis may do better: it identifies all
+else anew as well.
 """
 
 from dataclasses import dataclass, replace
@@ -28,12 +29,13 @@ FORGOTTEN = 2.0
 @dataclass(frozen=True)
 class Floor:
     """
-    Of one recording of N rows: left (N, n) [Nm] where the law of the effect is known; rows (N, n)
-    bool: moving joints whose friction has forgotten how it began.
+    Of one recording of N rows: left (N, n) [Nm] where the effect is known; rows (N, n) bool:
+    moving joints whose friction has forgotten how it began; moving (N, n) bool: all that move.
     """
 
     left: np.ndarray
     rows: np.ndarray
+    moving: np.ndarray
 
 
 def floor_of(model, motion, effects, **arguments):
@@ -45,25 +47,24 @@ def floor_of(model, motion, effects, **arguments):
     """
     arguments = {**arguments, 'start_position': np.array(motion.position[0], dtype=float)}
     plant = Plant(model.robot, effects=effects, **arguments)
-    led = [LedPlant(model.robot, effects=of, **arguments) for of in (effects, ())]
+    led = LedPlant(model.robot, **arguments)
     measured, of_arm, of_noise = [], [], []
     for event in follow_motion(plant, motion.time, motion.position, motion.velocity,
                                motion.acceleration):
         measured.append(event)
         known, noise = event, event
         if isinstance(event, JointEvent):
-            with_it, without = (one.follow(plant, event.position, event.velocity) for one in led)
-            arm = led[1].report(plant.state()[3] - with_it + without, plant)
-            known = replace(event, effort=arm / plant.truth.constants)
-            noise = replace(event, effort=event.effort
-                            - plant.reported_effort() / plant.truth.constants)
+            constants = plant.truth.constants
+            known = replace(event, effort=led.follow(plant) / constants)
+            noise = replace(event, effort=event.effort - plant.reported_effort() / constants)
         of_arm.append(known)
         of_noise.append(noise)
     seen = _motion(model.robot, measured)
     error = differences(model, _motion(model.robot, of_arm))
     noise = _motion(model.robot, of_noise).effort * model.robot.effort.torque_constants
     left = _gain(plant, seen) * _delayed(error, seen.stamp, plant.truth.effort_delay) + noise
-    return Floor(left, moving(seen) & _forgotten(seen.q, plant.truth.friction.presliding))
+    moves = moving(seen)
+    return Floor(left, moves & _forgotten(seen.q, plant.truth.friction.presliding), moves)
 
 
 def _motion(robot, events):
@@ -86,4 +87,3 @@ def _forgotten(q, presliding):
     """Return (N, n) bool: since the first row, joints have turned by FORGOTTEN x presliding."""
     seen = np.maximum.accumulate(q) - np.minimum.accumulate(q)
     return seen > FORGOTTEN * presliding
-

@@ -62,7 +62,7 @@ def _torque(total):
     """Return the rows of torque error, over no effect and over its own law."""
     return (_every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect '
                    '(single, strength 2 and 5)', total, 'torque', TORQUE_GOAL),
-            _every(f'the same within {TORQUE_GOAL:g} x of what the true law of the effect leaves',
+            _every(f'the same within {TORQUE_GOAL:g} x of what is left where the effect is known',
                    total, 'seen', TORQUE_GOAL))
 
 

@@ -2,6 +2,8 @@
 
 import time
 
+import numpy as np
+
 from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
 from ..report.diagnosis_json import diagnosis_content
@@ -85,6 +87,14 @@ def _errors(arm, better, recordings, floors):
         'torque': {'before': torque_rmse(arm.model, recordings.test).tolist(),
                    'after': torque_rmse(better, recordings.test).tolist(),
                    'without': arm.torque.tolist()},
-        'seen': {when: rms(those, rows).tolist() for when, those in left.items()},
+        'seen': {'joints': list(arm.model.robot.joints), 'share': _judged(floors).tolist(),
+                 **{when: rms(those, rows).tolist() for when, those in left.items()}},
         'mass': {'before': mass_errors(arm.model, recordings.loaded),
                  'after': mass_errors(better, recordings.loaded), 'without': arm.mass}}
+
+
+def _judged(floors):
+    """Return the share (n,) of the rows of moving joints that Floors judge."""
+    judged, moved = (sum(getattr(floor, name).sum(axis=0) for floor in floors)
+                     for name in ('rows', 'moving'))
+    return judged / np.maximum(moved, 1)

@@ -4,18 +4,21 @@ from .document import markdown_table
 from .effect_goals import beyond, MASS_GOAL, TORQUE_GOAL, verdicts
 from .effect_outcome import FREQUENCY_OFF, RIGHT, UNTOLD
 from .effect_recordings import DIAGNOSED, LOADED
-from .effect_scores import (confusions, effect_rows, measured, not_tried, only_widely, pair_rows,
-                            totals, tried, WITHIN)
+from .effect_scores import (confusions, effect_rows, ENOUGH_ROWS, measured, not_tried,
+                            only_widely, pair_rows, totals, tried, WITHIN)
 from .share import share_text
 
 _NONE = '-'
+# Share of a joint's rows in motion below which a case is named.
+MOST_ROWS = 0.8
 _CASE = ('effect', 'strength', 'joint', 'plant', 'outcome')
-_LAW = (
-    'What the true law leaves is what no diagnosis can take away: the law of the effect with its '
-    'true figures, led along the motion as it was measured, with the first model for all else, '
-    'where joints move whose friction has turned twice over since the recording began. How '
-    'friction began nobody saw; an effect of friction may make it count for seconds, a gain '
-    'scales what the model never explained, a delay shows torque of a joint that stood.')
+_KNOWN = (
+    'What is left where the effect is known: the first model\'s error of the torque that the arm '
+    'would report along the same true motion without the effect, carried through gains and '
+    'delays, on rows in which a joint moves that has turned by twice its presliding travel since '
+    'the recording began. A gain scales what no model explains; a delay shows torque of a joint '
+    'that stood; how friction began nobody saw. A diagnosis may do better: it identifies all else '
+    'anew.')
 _HOW_JUDGED = (
     'Right means confirmed by name at its joint and no other, or, for the sets of section 4 of '
     'the design, both named at that joint with the motion that would separate them, where the one '
@@ -44,7 +47,7 @@ def effects_markdown(results, command, commit, cases=()):
         f'nothing, and {seconds:.0f} s of no-load recordings are diagnosed. Errors are on other '
         f'recordings: torque without load, mass by `bayes` on {LOADED} runs with random known '
         'loads. Ratios are over the same plant without the effect, seen through its first model. '
-        'A torque ratio is that of the joint where it is largest.', _LAW,
+        'A torque ratio is that of the joint where it is largest.', _KNOWN + _judged(ran),
         f'Command: `{command}`, commit {commit}. Seconds are wall clock of one process among as '
         'many as there are cores.',
         markdown_table(['goal', 'wanted', 'measured', 'reached'], [
@@ -58,6 +61,15 @@ def effects_markdown(results, command, commit, cases=()):
         '## Confirmed in place of the right one', _confusion_table(results),
         '## Two effects', _pair_table(results), *_left_out(results)]
     return '\n\n'.join(parts) + '\n'
+
+
+def _judged(ran):
+    """Return a sentence on the cases of which few rows are judged so."""
+    few = [r['label'] for r in ran if min(r['seen']['share']) < MOST_ROWS]
+    return '' if not few else (
+        f' Less than {100.0 * MOST_ROWS:.0f} % of a joint\'s rows in motion were judged in '
+        f'{len(few)} of {len(ran)} cases: {", ".join(few)}; below '
+        f'{100.0 * ENOUGH_ROWS:.0f} % at the effect\'s own joint a case counts as not reached.')
 
 
 def _broken_off(results, cases):
@@ -84,7 +96,7 @@ def _beyond(total):
     torque += [c for c in beyond(total, 'seen', TORQUE_GOAL) if c not in torque]
     if torque:
         out += [f'## Torque error beyond {TORQUE_GOAL:g} x', markdown_table(
-            [*_CASE, 'before, x no effect', 'after, x no effect', 'after, x its true law'],
+            [*_CASE, 'before, x no effect', 'after, x no effect', 'after, x effect known'],
             [[*_case(c), f'{c["torque"]["before"]:.2f}', f'{c["torque"]["after"]:.2f}',
               f'{c["seen"]["after"]:.2f}'] for c in torque])]
     mass = beyond(total, 'mass', MASS_GOAL)

@@ -8,6 +8,8 @@ from .effect_cases import CLEAN, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SINGLE
 from .effect_errors import MASS_MOMENTS
 from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
 
+# Share of a joint's rows in motion that must be judged.
+ENOUGH_ROWS = 0.2
 # Standard deviations within which a figure's truth is expected 95 times in 100.
 WITHIN = 2.0
 
@@ -30,13 +32,18 @@ def torque_ratio(result, when):
 
 def seen_ratio(result, when):
     """
-    Return RMSE over what the known law of the effect leaves (effect_floor.py), likewise.
+    Return RMSE over what is left where the effect is known (effect_floor.py), likewise.
 
-    On rows of the Floors; joints without any are left out.
+    On rows of the Floors; joints with few are left out, and a case whose own joint is one of them
+    is not judged: no number.
     """
-    known = np.array(result['seen']['known'])
-    there = known > 0.0
-    return float(np.max(np.array(result['seen'][when])[there] / known[there]))
+    seen = {key: np.array(value) for key, value in result['seen'].items()}
+    own = np.isin(seen['joints'], [name for effect in result['effects']
+                                   for name in effect['joints']])
+    there = seen['share'] >= ENOUGH_ROWS
+    if not there[own].all() or not there.any():
+        return float('nan')
+    return float(np.max(seen[when][there] / seen['known'][there]))
 
 
 def mass_ratio(results, when, moment):

@@ -1,55 +1,38 @@
-"""An arm that is led along a motion and tells what torque that takes: itself, or without effects."""
-
-import numpy as np
+"""An arm that is led along a motion and tells what it reports: another's, without its effects."""
 
 from .plant import Plant
 
 
 class LedPlant(Plant):
     """
-    A Plant that does not drive itself but is led along the motion of another.
+    A Plant that does not drive itself but is led along the true motion of another.
 
-    Built with another's arguments it has the other's draws; of two of them, one with hidden
-    effects and one without, the torques differ by what the effects do along the very same motion.
+    Built with the other's arguments and no effects it has the other's draws, so that what the two
+    report differs by what the effects do, along the very same motion at the same temperatures.
     """
 
-    def follow(self, other, position, velocity):
+    def follow(self, other):
         """
-        Go to where another Plant of the same arm is by now, in the steps of its simulation.
+        Go to where another Plant of the same arm is by now, one sensor period or none on.
 
-        position, velocity (n,): as it measured them, or as they are. Returns what its drives have
-        to supply there (n,) [Nm], or what goes through the gears if that is what is reported.
+        Returns what is reported there (n,) [Nm], before noise, steps and torque constants.
         """
-        _, _, acceleration, _ = other.state()
-        self._friction.set_temperature(other.true_temperatures()[0])
-        self._situation.temperature = other.true_temperatures()[0]
-        now = np.array([position, velocity, acceleration])
-        before, steps = self._led_to, int(round((other.time - self.time) / self._dt))
-        for k in range(steps):
-            self._lead(before + (k + 1) / steps * (now - before), (now - before)[0] / steps)
-        self._led_to = now
-        torque = self._situation.gear_torque
+        position, velocity, acceleration, _ = other.state()
+        gear, sensor = other.true_temperatures()
+        torque = self._arm.required_torque(position, velocity, acceleration)
+        passed = other.time - self._led_until
+        if passed > 0.0:
+            self._friction.set_temperature(gear)
+            # By the way made and not the speed at its end, so that all ways add up.
+            self._friction.step((position - self._led_to) / passed,
+                                torque - self.truth.rotor * acceleration, passed)
+        self._led_until, self._led_to = other.time, position
         if self.robot.file.effort.kind == 'link_torque':
-            return torque.copy()
-        return torque + self.truth.rotor * acceleration + self._friction.torque
-
-    def report(self, torque, other):
-        """Return what is reported (n,) [Nm] of a torque of its drives where `other` is by now."""
-        return self._sensors.reported(torque, other.true_temperatures()[1], self._arm.position)
-
-    def _lead(self, state, way):
-        """Be led a step on to position, velocity, acceleration (3, n), by a way (n,)."""
-        self._steps += 1
-        if self.truth.held and (now := self._held_now()) != self._held:
-            self._hang(now)
-        # By the way made and not the speed at its end, so that all ways add up.
-        self._friction.step(way / self._dt, self._situation.gear_torque, self._dt)
-        torque = self._arm.required_torque(*state)
-        self._situation.time = self.time
-        self._situation.position, self._situation.velocity = self._arm.position, self._arm.velocity
-        self._act()
-        self._situation.gear_torque[:] = torque + self._hidden - self.truth.rotor * state[2]
+            torque -= self.truth.rotor * acceleration
+        else:
+            torque += self._friction.torque
+        return self._sensors.reported(torque, sensor, position)
 
     def _settle(self, robot, difficulty, rng):
         super()._settle(robot, difficulty, rng)
-        self._led_to = np.array([self._arm.position, self._arm.velocity, self._arm.acceleration])
+        self._led_until, self._led_to = self.time, self._arm.position.copy()
