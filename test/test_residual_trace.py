@@ -183,6 +183,11 @@ def peak(run):
     return run.x.shown(np.arange(run.robot.n), 2e-3, np.inf, 0.1)
 
 
+def thinning(run):
+    """A power-law fluid: friction with the square root of speed."""
+    return np.sign(run.x.v) * np.sqrt(np.abs(run.x.v))
+
+
 def constant_friction(run):
     return np.sign(run.x.v)
 
@@ -258,6 +263,13 @@ def test_a_cable_is_found():
 def test_friction_that_changes_with_temperature_is_found():
     diagnosis, _ = diagnosed(on(1, 2.0, warming))
     assert_only(diagnosis, 'temperature_dependent_coulomb_friction', [1])
+    assert_repaired(diagnosis, 1)
+
+
+def test_friction_that_grows_less_than_speed_is_found_as_such():
+    diagnosis, _ = diagnosed(on(1, 4.0, thinning))
+    found = assert_only(diagnosis, 'shear_thinning_friction', [1])
+    assert found.parameters['level'][0] > 0.0 and found.parameters['thinning_velocity'][0] > 0.0
     assert_repaired(diagnosis, 1)
 
 

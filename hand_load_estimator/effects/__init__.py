@@ -14,6 +14,7 @@ from .load_change import LOAD_CHANGE
 from .load_dependent_friction import LOAD_DEPENDENT_FRICTION
 from .presliding_hysteresis import PRESLIDING_HYSTERESIS
 from .rotor_inertia import ROTOR_INERTIA
+from .shear_thinning_friction import SHEAR_THINNING_FRICTION
 from .stribeck_friction import STRIBECK_FRICTION
 from .temperature_dependent_coulomb_friction import TEMPERATURE_DEPENDENT_COULOMB_FRICTION
 from .temperature_dependent_viscous_friction import TEMPERATURE_DEPENDENT_VISCOUS_FRICTION
@@ -27,6 +28,7 @@ from .viscous_friction import VISCOUS_FRICTION
 EFFECTS = {effect.name: effect for effect in (
     ROTOR_INERTIA, COULOMB_FRICTION,
     VISCOUS_FRICTION, FRICTION_ASYMMETRY,
+    SHEAR_THINNING_FRICTION,
     STRIBECK_FRICTION, PRESLIDING_HYSTERESIS,
     TEMPERATURE_DEPENDENT_VISCOUS_FRICTION, TEMPERATURE_DEPENDENT_COULOMB_FRICTION,
     TORQUE_OFFSET, BASE_TILT,

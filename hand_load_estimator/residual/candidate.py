@@ -44,8 +44,9 @@ class Candidate:
 
     @property
     def size(self):
-        """Number of parameters."""
-        return sum(len(h.scale) for h, _ in (self.parts[:1] if self.common else self.parts))
+        """Number of parameters, those of its shapes included."""
+        return sum(len(h.scale) + sum(map(np.isfinite, h.shape.values()))
+                   for h, _ in (self.parts[:1] if self.common else self.parts))
 
     @property
     def variable(self):

@@ -17,6 +17,7 @@ _DESIGN = tuple(map(frozenset, (
 # Gravity's torque on a joint changes with the joints before it, that of its own parts does not.
 _OTHER_POSES = ('move the joint over the same range with the joints before it in several poses: '
                 'what sits at the joint stays, gravity does not')
+_SPEEDS = 'move the joint at constant speeds from very slow to fast'
 
 # Pairs that recordings may not separate, with the motion that would.
 PAIRS = {
@@ -59,8 +60,14 @@ PAIRS = {
         'gravity torque',
     frozenset({'load_dependent_friction', 'viscous_friction'}):
         'move the joint at several constant speeds in poses of small and of large gravity torque',
-    frozenset({'stribeck_friction', 'viscous_friction'}):
-        'move the joint at constant speeds from very slow to fast',
+    frozenset({'stribeck_friction', 'viscous_friction'}): _SPEEDS,
+    frozenset({'shear_thinning_friction', 'viscous_friction'}): _SPEEDS,
+    frozenset({'coulomb_friction', 'shear_thinning_friction'}): _SPEEDS,
+    frozenset({'shear_thinning_friction', 'stribeck_friction'}): _SPEEDS,
+    frozenset({'shear_thinning_friction', 'temperature_dependent_viscous_friction'}):
+        'record cold and warm, at several constant speeds',
+    frozenset({'load_dependent_friction', 'shear_thinning_friction'}):
+        'move the joint at several constant speeds in poses of small and of large gravity torque',
     frozenset({'coulomb_friction', 'viscous_friction'}):
         'move the joint at constant speeds from slow to fast',
     frozenset({'backlash', 'presliding_hysteresis'}):
@@ -83,8 +90,7 @@ PAIRS = {
         'reverse the joint over a few milliradians and over a whole turn',
     frozenset({'coulomb_friction', 'load_dependent_friction'}):
         'move the joint slowly in poses of small and of large gravity torque',
-    frozenset({'coulomb_friction', 'stribeck_friction'}):
-        'move the joint at constant speeds from very slow to fast',
+    frozenset({'coulomb_friction', 'stribeck_friction'}): _SPEEDS,
     frozenset({'viscous_friction', 'temperature_dependent_viscous_friction'}):
         'record cold and warm, at several constant speeds',
     frozenset({'torque_scale', 'link_inertia'}):

@@ -7,8 +7,9 @@ from ..arm import Arm
 from .contact import ExternalContact, SwingingLoad
 from .effort import TimeDelay, TorqueOffset, TorqueScale, TorqueScaleTemperature
 from .friction import (CoulombFriction, FrictionAsymmetry, LoadDependentFriction,
-                       PreslidingHysteresis, SpeedResonanceFriction, StribeckFriction,
-                       TemperatureDependentCoulomb, TemperatureDependentViscous, ViscousFriction)
+                       PreslidingHysteresis, ShearThinningFriction, SpeedResonanceFriction,
+                       StribeckFriction, TemperatureDependentCoulomb,
+                       TemperatureDependentViscous, ViscousFriction)
 from .gear import Backlash
 from .load import LoadChange
 from .position import CableDrag, GravitySpring, TorqueRipple
@@ -20,7 +21,8 @@ EFFECTS = {kind.name: kind for kind in (
     ViscousFriction(), FrictionAsymmetry(), StribeckFriction(), LoadDependentFriction(),
     TemperatureDependentViscous(), TemperatureDependentCoulomb(), PreslidingHysteresis(),
     Backlash(), TorqueRipple(), TorqueScale(), TorqueScaleTemperature(), TorqueOffset(),
-    TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad(), LoadChange())}
+    TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad(), LoadChange(),
+    ShearThinningFriction())}
 # Halvings of the logarithm of an amplitude: five decades to half a percent.
 _BISECTIONS = 11
 

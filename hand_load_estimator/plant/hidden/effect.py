@@ -47,3 +47,26 @@ class HiddenEffect:
     def apply(self, truth, p):
         """Write the effect with parameters p into the truth."""
         raise NotImplementedError
+
+
+class FunctionTorque(HiddenEffect):
+    """A torque that is a function of one variable alone: of(values (..., n), p)."""
+
+    variable = 'position'
+
+    def torque_along(self, motion, truth, p):
+        """Return the function along the motion."""
+        return self.of(motion.q if self.variable == 'position' else motion.v, p)
+
+    def apply(self, truth, p):
+        """Let it act on the joints."""
+        truth.joint_torques.append(_Acting(self, p))
+
+
+class _Acting:
+    def __init__(self, effect, p):
+        self._effect, self._p = effect, p
+
+    def torque(self, now, dt):
+        """Return the torque (n,) [Nm] asked of the drives in a Situation."""
+        return self._effect.of(getattr(now, self._effect.variable), self._p)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..friction import friction_along
-from .effect import HiddenEffect, Parameter
+from .effect import FunctionTorque, HiddenEffect, Parameter
 from .reference_motion import WARMER
 
 _HELD_BACK = 0.8  # share of a friction that warming by WARMER may take away
@@ -170,10 +170,26 @@ def _with(truth, motion, **figures):
                           motion.temperature, motion.dt)
 
 
-class SpeedResonanceFriction(HiddenEffect):
+class ShearThinningFriction(FunctionTorque):
+    """Friction of a power-law fluid: `torque` at 1 rad/s, growing with a power of speed."""
+
+    name, amplitude, variable = 'shear_thinning_friction', 'torque', 'velocity'
+    parameters = {'torque': Parameter('Nm', 0.0), 'exponent': Parameter('-', 0.1, 1.0)}
+
+    def draw(self, rng, truth, motion):
+        """Return exponents between nearly dry and nearly viscous friction."""
+        return {'exponent': rng.uniform(0.3, 0.7, motion.robot.n)}
+
+    @staticmethod
+    def of(v, p):
+        """Return the torque at velocity v; a fluid at rest is a fluid, with a finite viscosity."""
+        return p['torque'] * v * (v * v + _REVERSAL_SPEED ** 2) ** (0.5 * (p['exponent'] - 1.0))
+
+
+class SpeedResonanceFriction(FunctionTorque):
     """Friction with a resonance in speed: a peak of a width at one speed, in no vocabulary."""
 
-    name, amplitude = 'speed_resonance_friction', 'torque'
+    name, amplitude, variable = 'speed_resonance_friction', 'torque', 'velocity'
     parameters = {'torque': Parameter('Nm', 0.0), 'speed': Parameter('rad/s', 1e-3),
                   'width': Parameter('rad/s', 1e-3)}
 
@@ -187,20 +203,3 @@ class SpeedResonanceFriction(HiddenEffect):
         """Return the torque at velocity v."""
         off = (np.abs(v) - p['speed']) / p['width']
         return p['torque'] * np.tanh(v / _REVERSAL_SPEED) / (1.0 + off * off)
-
-    def torque_along(self, motion, truth, p):
-        """Return the peak along the motion."""
-        return self.of(motion.v, p)
-
-    def apply(self, truth, p):
-        """Let it act on the joints."""
-        truth.joint_torques.append(_SpeedTorque(p))
-
-
-class _SpeedTorque:
-    def __init__(self, p):
-        self._p = p
-
-    def torque(self, now, dt):
-        """Return the torque (n,) [Nm] asked of the drives in a Situation."""
-        return SpeedResonanceFriction.of(now.velocity, self._p)

@@ -2,31 +2,10 @@
 
 import numpy as np
 
-from .effect import HiddenEffect, Parameter
+from .effect import FunctionTorque, Parameter
 
 
-class _PositionTorque(HiddenEffect):
-    """A torque that is a function of position alone."""
-
-    def torque_along(self, motion, truth, p):
-        """Return the function along the motion."""
-        return self.of(motion.q, p)
-
-    def apply(self, truth, p):
-        """Let it act on the joints."""
-        truth.joint_torques.append(_Acting(self.of, p))
-
-
-class _Acting:
-    def __init__(self, of, p):
-        self._of, self._p = of, p
-
-    def torque(self, now, dt):
-        """Return the torque (n,) [Nm] asked of the drives in a Situation."""
-        return self._of(now.position, self._p)
-
-
-class GravitySpring(_PositionTorque):
+class GravitySpring(FunctionTorque):
     """A balancer: stiffness x sin(q - angle), one period per turn."""
 
     name, amplitude = 'gravity_spring', 'stiffness'
@@ -42,7 +21,7 @@ class GravitySpring(_PositionTorque):
         return p['stiffness'] * np.sin(q - p['angle'])
 
 
-class CableDrag(_PositionTorque):
+class CableDrag(FunctionTorque):
     """A cable bundle that is pulled tight to one side: smooth and not periodic."""
 
     name, amplitude = 'cable_drag', 'torque'
@@ -59,7 +38,7 @@ class CableDrag(_PositionTorque):
         return p['torque'] * (x / (1.0 + 0.3 * np.abs(x)) + 0.4 * x * x / (1.0 + 0.3 * x * x))
 
 
-class TorqueRipple(_PositionTorque):
+class TorqueRipple(FunctionTorque):
     """Gear and magnet ripple: a sine of many periods per turn and its second harmonic."""
 
     name, amplitude = 'torque_ripple', 'torque'

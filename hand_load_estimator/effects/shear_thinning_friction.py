@@ -1,0 +1,17 @@
+"""Viscous friction that grows less than in proportion to velocity."""
+
+import numpy as np
+
+from .effect import Effect, Shape
+
+
+def _columns(x, j, shape):
+    v = x.v[:, j]
+    return (v / (np.abs(v) + shape['thinning_velocity']))[..., None]
+
+
+# Cross's fluid between two walls: viscosity halves at the velocity, the torque levels off.
+SHEAR_THINNING_FRICTION = Effect(
+    'shear_thinning_friction', 'grows less than velocity, as a lubricant that thins under shear',
+    'Cross 1965; Waiboer et al. 2005', (('level', 'Nm'),), (0.1,), _columns,
+    (Shape('thinning_velocity', 'rad/s', 0.5, (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)),), positive=(0,))
