@@ -42,8 +42,3 @@ def find_shared(name, *folders):
     raise ConfigurationError(name, 'is neither a path nor a shipped file',
                              allowed=f'a path or one of {", ".join(shipped)}' if shipped
                              else 'a path')
-
-
-def is_shipped(path):
-    """Tell whether a file came with the package."""
-    return (share_folder() / 'config').resolve() in Path(path).resolve().parents

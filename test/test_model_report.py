@@ -8,27 +8,31 @@ from core_helpers import exact_model
 import numpy as np
 import pytest
 
+from hand_load_estimator.model_file import read_model
+from hand_load_estimator.nodes.controller_report import report_torque_model
 from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.model_report import report_model
 from hand_load_estimator.nodes.stamps import StampBase
+from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.residual.watch import Aged
 from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.simulated_model import told_of_simulated
 
 THEN = np.array([0.5, 0.41, np.nan, 0.2])
 
 
 def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN,
-             enough=(True,) * 4, file='m.yaml', simulated=False):
+             enough=(True,) * 4, recordings=(), simulated=False):
     """Return what is said of a model with residuals now (4,) [Nm], joints aged."""
     model = exact_model('four')
-    model = replace(model, diagnosed=diagnosed,
+    model = replace(model, diagnosed=diagnosed, recordings=recordings,
                     residuals=replace(model.residuals, sliding=sliding))
     now = np.array(now)
     found = tuple(Aged(name, 2.1, 5.0, 45.0, now[model.robot.joints.index(name)])
                   for name in aged)
     watch = SimpleNamespace(aged=found, residual=now, ratio=np.full(4, 2.0),
                             seconds=np.full(4, 60.0), enough=np.array(enough))
-    return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path(file)), 0.0,
+    return report_model(SimpleNamespace(watch=watch, model=model, model_file=Path('m.yaml')), 0.0,
                         StampBase(), simulated)
 
 
@@ -75,10 +79,26 @@ def test_a_joint_not_judged_yet_has_no_figure():
 
 
 def test_a_real_arm_is_told_that_the_shipped_model_is_none_of_its_own():
-    shipped = find_shared('ur10e', 'models')
-    level, message, _ = reported([0.5] * 4, (), file=shipped)
-    assert level == WARN and 'simulated arm: identify your own' in message
-    assert reported([0.5] * 4, (), file=shipped, simulated=True)[0] == OK
-    assert reported([0.5] * 4, ())[0] == OK
-    both = reported([0.5] * 4, file=shipped)[1]
-    assert both.startswith('model has aged: j1') and both.endswith('arm is simulated')
+    shipped = read_model(find_shared('ur10e', 'models'))
+    told = told_of_simulated(shipped, False)
+    assert 'simulated arm: identify your own' in told
+    # Wherever the file lies, and with more recordings since.
+    more = replace(shipped, recordings=(*shipped.recordings, RecordingMark('monday', 'abc')))
+    assert told_of_simulated(more, False) == told
+    assert told_of_simulated(shipped, True) == told_of_simulated(exact_model('four'), False) == ''
+    # Every shipped model is one of them.
+    for path in find_shared('ur10e', 'models').parent.glob('*.yaml'):
+        assert told_of_simulated(read_model(path), False), path
+
+
+def test_it_is_told_with_what_else_there_is(monkeypatch):
+    monkeypatch.setattr('hand_load_estimator.simulated_model.SHIPPED', frozenset(['mine']))
+    recordings = (RecordingMark('simulated', 'mine'),)
+    both = reported([0.5] * 4, recordings=recordings)
+    assert both[0] == WARN
+    assert both[1].startswith('model has aged: j1') and both[1].endswith('arm is simulated')
+    alone = reported([0.5] * 4, (), recordings=recordings)
+    assert alone[0] == WARN and alone[1].startswith('the torque model that comes with')
+    assert reported([0.5] * 4, (), recordings=recordings, simulated=True)[0] == OK
+    model = replace(exact_model('four'), recordings=recordings)
+    assert [report_torque_model(model, simulated)[0] for simulated in (False, True)] == [WARN, OK]

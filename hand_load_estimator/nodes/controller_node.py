@@ -25,10 +25,12 @@ from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from ..load import products_from_message
 from ..model_of_robot import model_of_robot
 from ..robot import load_robot
+from ..simulated_model import told_of_simulated
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
-from .controller_report import report_collision, report_load, report_motion
+from .controller_report import (report_collision, report_load, report_motion,
+                                report_torque_model)
 from .diagnostics import Diagnostics
 from .draining import subscribe_draining
 from .estimate_messages import KNOWN_MASSES, vector_of_inertia
@@ -132,6 +134,10 @@ class ControllerNode(Node):
         self._diagnostics.add('load', lambda: report_load(self._supervisor.policy))
         self._diagnostics.add('collision', lambda: report_collision(self._supervisor))
         self._diagnostics.add('input', self._report_input)
+        simulated = self.get_parameter('use_sim_time').value
+        self._diagnostics.add('model', lambda: report_torque_model(self._model, simulated))
+        if other := told_of_simulated(self._model, simulated):
+            self.get_logger().warning(other)
 
     def _now(self):
         return self._base.seconds(self.get_clock().now().to_msg())

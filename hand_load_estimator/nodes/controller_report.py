@@ -1,5 +1,6 @@
 """What /diagnostics says of the controller: its motion, the load it counts on, collisions."""
 
+from ..simulated_model import told_of_simulated
 from .diagnostics import ERROR, OK, WARN
 
 
@@ -42,6 +43,13 @@ def report_load(policy):
     if policy.trusted:
         return OK, 'the estimate is used', values
     return WARN, f'the rated load is used: {policy.reason}', values
+
+
+def report_torque_model(model, simulated):
+    """Return (level, message, values) of the TorqueModel that moves are planned with."""
+    told = told_of_simulated(model, simulated)
+    values = {'recordings': ', '.join(model.recording_names) or 'none'}
+    return (WARN, told, values) if told else (OK, 'the arm\'s own', values)
 
 
 def report_collision(supervisor):

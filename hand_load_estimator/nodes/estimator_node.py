@@ -18,6 +18,7 @@ from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..estimators.pipeline import TareError
 from ..load import message_from_products
+from ..simulated_model import told_of_simulated
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .controller_messages import trajectory_message
@@ -29,7 +30,7 @@ from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
 from .model_choice import robot_and_model
-from .model_report import of_another_arm, report_model, told_of_model
+from .model_report import report_model, told_of_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
 from .runner import run_node
@@ -78,7 +79,7 @@ class EstimatorNode(Node):
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
                                f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
                                f'checkpoint: {self._checkpoint.told}')
-        if other := of_another_arm(self._pipeline, self._simulated()):
+        if other := told_of_simulated(self._pipeline.model, self._simulated()):
             self.get_logger().warning(other)
 
     def _simulated(self):

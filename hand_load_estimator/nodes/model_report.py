@@ -4,7 +4,7 @@ from datetime import datetime
 
 import numpy as np
 
-from ..shared_files import is_shipped
+from ..simulated_model import told_of_simulated
 from .diagnostics import OK, WARN
 
 # A residual within this factor of the one at the last diagnosis has not grown since.
@@ -33,21 +33,13 @@ def report_model(pipeline, written, base, simulated):
         values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))
         told = [f'{_told(a, base)}{_since_diagnosis(a, model)}' for a in aged]
         told[0] = f'model has aged: {told[0]}'
-    told += filter(None, [of_another_arm(pipeline, simulated)])
+    told += filter(None, [told_of_simulated(model, simulated)])
     if told:
         return WARN, '; '.join(told), values
     if not watch.enough.all():
         few = [joint for joint, enough in zip(model.robot.joints, watch.enough) if not enough]
         return OK, f'too little motion yet to judge {", ".join(few)}', values
     return OK, 'residuals are what the model states', values
-
-
-def of_another_arm(pipeline, simulated):
-    """Return in words that the shipped model is no real arm's, where one may be at work."""
-    if simulated or not is_shipped(pipeline.model_file):
-        return ''
-    return ('the model that comes with the package is of a simulated arm: identify your own '
-            '(hand_load identify), or set use_sim_time where the arm is simulated')
 
 
 def told_of_model(pipeline):
