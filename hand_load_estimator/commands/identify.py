@@ -9,7 +9,7 @@ import numpy as np
 
 from .recording_arguments import add_recording_arguments, topics
 
-# Share of the motion from which on it is said that it is shown again.
+# Share of the motion from which on it is said that it repeats what was shown before.
 REPEATED = 0.25
 EXAMPLE = 'hand_load identify run1 run2 --robot ur10e --out model.yaml'
 
@@ -64,9 +64,9 @@ def run(args):
     _report(model, args.out)
     again = share_repeated(evidence)
     if again > REPEATED:
-        print(f'{100.0 * again:.0f} % of the motion is shown more than once: what is held out has '
-              'its twin in what is fitted, so the errors in other motions are larger; record other '
-              'motions (hand_load excite)')
+        print(f'{100.0 * again:.0f} % of the motion repeats what was shown before: what is held '
+              'out may have its twin in what is fitted, and errors in other motions may be larger '
+              'than those; record other motions too (hand_load excite)')
     return 0
 
 

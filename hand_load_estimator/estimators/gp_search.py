@@ -3,9 +3,9 @@ Methods `gp_swarm`, `gp_evolution`, `gp_annealing`: a search for the best load (
 
 In place of the histogram a library looks for the mass and centre of mass with the largest
 posterior density, at intervals and over all data so far; the inertia comes by its normal density
-given them. The variance is that of the density's curvature there and of half the last step: a
-search that ended short of the best goes on in the next, which looks as far as that variance
-reaches, however sharp the density has become. It is the same on every run.
+given them. The variance is that of the density's curvature there and of half the last step, along
+which the next search looks further, too: one that ended short goes on. So the first search's long way
+counts as doubt until the second. It is the same on every run.
 """
 
 import numpy as np
