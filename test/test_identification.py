@@ -278,10 +278,10 @@ def test_a_known_load_gives_the_same_model_as_none(folder):
 def test_repeated_motion_is_told(folder, capsys):
     effects = '--effects=coulomb_friction,viscous_friction'
     identified(folder, str(folder / 'empty'), effects)
-    assert 'repeats what was shown' not in capsys.readouterr().out
+    assert 'repeats what was shown' not in capsys.readouterr().err
     # The loaded run is the same motion.
     identified(folder, str(folder / 'empty'), str(folder / 'loaded'), effects)
-    told = re.search(r'(\d+) % of the motion repeats', capsys.readouterr().out)
+    told = re.search(r'(\d+) % of the motion repeats', capsys.readouterr().err)
     assert 40 <= int(told[1]) <= 55
 
 

@@ -64,9 +64,9 @@ def run(args):
     _report(model, args.out)
     again = share_repeated(evidence)
     if again > REPEATED:
-        print(f'{100.0 * again:.0f} % of the motion repeats what was shown before: what is held '
-              'out may have its twin in what is fitted, and errors in other motions may be larger '
-              'than those; record other motions too (hand_load excite)')
+        _say(f'{100.0 * again:.0f} % of the motion repeats what was shown before: what is held '
+             'out may have its twin in what is fitted, and errors in other motions may be larger '
+             'than those; record other motions too (hand_load excite)')
     return 0
 
 
