@@ -59,7 +59,7 @@ def _every(what, total, figure, goal):
 
 
 def _torque(total):
-    """Return the rows of torque error, over no effect and over its own law."""
+    """Return the rows of torque error, over no effect and over the effect known."""
     return (_every(f'torque error at its worst joint within {TORQUE_GOAL:g} x of no effect '
                    '(single, strength 2 and 5)', total, 'torque', TORQUE_GOAL),
             _every(f'the same within {TORQUE_GOAL:g} x of what is left where the effect is known',

@@ -123,7 +123,7 @@ class Arm:
         return torque
 
     def required_torque(self, position, velocity, acceleration):
-        """Return the torque (n,) beside gravity that a motion takes; `accelerate` is due after."""
+        """Return the torque (n,) that a motion takes, against gravity too; `accelerate` is due."""
         self.position[:], self.velocity[:] = position, velocity
         self.acceleration[:] = acceleration
         mujoco.mj_inverse(self._model, self._data)
