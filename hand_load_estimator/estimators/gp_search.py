@@ -4,8 +4,8 @@ Methods `gp_swarm`, `gp_evolution`, `gp_annealing`: a search for the best load (
 In place of the histogram a library looks for the mass and centre of mass with the largest
 posterior density, at intervals and over all data so far; the inertia comes by its normal density
 given them. The variance is that of the density's curvature there and of half the last step, along
-which the next search looks further, too: one that ended short goes on. So the first search's long way
-counts as doubt until the second. It is the same on every run.
+which the next search looks further, too: one that ended short goes on. So the first search's long
+way counts as doubt until the second. It is the same on every run.
 """
 
 import numpy as np
