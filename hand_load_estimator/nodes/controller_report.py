@@ -49,7 +49,7 @@ def report_torque_model(model, simulated):
     """Return (level, message, values) of the TorqueModel that moves are planned with."""
     told = told_of_simulated(model, simulated)
     values = {'recordings': ', '.join(model.recording_names) or 'none'}
-    return (WARN, told, values) if told else (OK, 'the arm\'s own', values)
+    return (WARN, told, values) if told else (OK, 'the model in use', values)
 
 
 def report_collision(supervisor):

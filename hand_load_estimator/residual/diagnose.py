@@ -47,8 +47,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     began = time.monotonic()
     refuse_repeats(evidence, test)
     refuse_another_robot(model, test)
-    tested_on = ', '.join(e.name for e in test)
     kept = not test
+    tested_on = ', '.join(e.name for e in test) or 'the last quarter of every recording'
     if only_stands(evidence):
         return diagnose_standing(model, evidence, lambda: time.monotonic() - began), model
     refuse_the_useless(model, evidence)
@@ -61,8 +61,6 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     left_out = _left_out(evidence, whole, outside) if kept else 0.0
     told = [*long_loads(evidence, whole, outside.found), *many_rejected(evidence)]
     left, test = _parts(evidence, whole, outside, test)
-    if kept:
-        tested_on = 'the last quarter of every recording'
     refuse_too_short(left, evidence, whole, outside.found)
     evidence = left
     refuse_the_useless(model, evidence)
