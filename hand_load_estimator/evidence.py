@@ -8,6 +8,7 @@ import numpy as np
 from .errors import RecordingError
 from .load import LoadParameters
 from .recording_mark import content_of, message_digests, RecordingMark
+from .shown_links import shown_links
 from .torque_columns import real_torque
 
 
@@ -51,7 +52,5 @@ def prepare(robot, name, motion, load, recording=None):
     messages = np.empty(0, np.uint64) if recording is None else message_digests(recording)
     if load.mass == 0.0:
         return Evidence(name, motion, torque, messages=messages)
-    products = load.to_products()
-    held = np.array([robot.load_regressor(q, v, a) @ products
-                     for q, v, a in zip(motion.q, motion.v, motion.a)])
+    held = robot.load_columns(shown_links(robot, motion)) @ load.to_products()
     return Evidence(name, motion, torque - held, held, load, messages)

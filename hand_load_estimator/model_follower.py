@@ -11,6 +11,7 @@ from .load import products_from_message
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
 from .shown_friction import ShownStream
+from .shown_links import shown_links
 from .torque_columns import real_torque, torque_columns, warmth_of
 from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .torque_noise import SampleNoise
@@ -104,7 +105,8 @@ class ModelFollower:
         """Return the torque (n,) [Nm] of what is believed to be held."""
         if not self.model.layout.needs or not self._carried.any():
             return 0.0
-        return self.model.load_regressor(x.q[0], x.v[0], x.a[0]) @ self._carried
+        robot = self.model.robot
+        return robot.load_columns(shown_links(robot, x)[0]) @ self._carried
 
     def _columns(self, x, dt, believed):
         model = self.model
@@ -128,7 +130,8 @@ class ModelFollower:
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         x = EffectInput(*(s[None] for s in (
             sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)),
-            shown=self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt))
+            shown=self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt),
+            jerk=None if sample.jerk is None else sample.jerk[None])
         believed = self._believed(x)
         columns = self._columns(x, sample.dt, believed)
         difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
@@ -139,7 +142,7 @@ class ModelFollower:
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(
             columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
-        stuck = stuck_variance(z, doubt, sample.v, level)
+        stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
         stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
         # Identification measured the residual's density; sampled more rarely it has more.
         density = self.model.residuals.load_intensity

@@ -6,11 +6,10 @@ different moments. Here position, velocity and torque pass the same three-stage 
 F(s) = (w / (s + w))^3. Velocity and acceleration are F(s) and s F(s) of the velocity, s F(s) and
 s^2 F(s) of the position, weighed by their noise (derivatives.py) and read off the filter's own
 state: exact derivatives, with nothing differenced. As F commutes with every linear operator,
-F[tau] = F[K] m; K is evaluated at the filtered motion, an error of second order in what the arm
-does within 1 / w.
+F[tau] = F[K] m; what K at the filtered motion is short of F[K] is made up for (shown_links.py).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from .derivatives import Derivatives
 # Bandwidth of each stage [rad/s]: three of them delay by 3 / w = 30 ms and leave a measured
 # velocity noise of 2 mrad/s at 500 Hz as about 0.03 rad/s^2 of acceleration.
 BANDWIDTH = 100.0
+DELAY = 3.0 / BANDWIDTH
 # Longest spacing of the outputs [s] while the input is faster than that.
 BLOCK = 0.02
 # A longer silence restarts the filter: what happened in between is not known.
@@ -29,6 +29,15 @@ SPARSE = 0.012
 _FORGOTTEN = 10.0 / BANDWIDTH
 
 
+def smeared(v, a):
+    """
+    Tell where the filter's memory holds a reversal, of filtered v [rad/s] and a [rad/s^2].
+
+    What depends on the direction alone is spread over it: it belongs to none of the two.
+    """
+    return np.abs(v) < DELAY * np.abs(a)
+
+
 @dataclass(frozen=True)
 class MotionSample:
     """
@@ -37,7 +46,9 @@ class MotionSample:
     stamp [s] of the newest message used; dt [s] since the sample before; q, v, a, effort,
     temperature (n,) each; effort in the unit of the message; temperature NaN where unknown.
     fresh: the filter has just (re)started, and a start in motion would still show. messages: how
-    many messages came since the sample before.
+    many messages came since the sample before. jerk (n,): how fast the acceleration changed since
+    the sample before, which tells how much of the motion the filter has smoothed away; None
+    where no filter has.
     """
 
     stamp: float
@@ -49,6 +60,7 @@ class MotionSample:
     temperature: np.ndarray
     fresh: bool
     messages: int = 1
+    jerk: np.ndarray | None = None
 
 
 def filter_step(dt, w=BANDWIDTH):
@@ -84,7 +96,7 @@ class MotionFilter:
 
     def restart(self):
         """Forget the motion (not the temperatures)."""
-        self._state = None
+        self._state = self._acceleration = None
         self._period = 0.0
 
     def set_temperature(self, joint_index, celsius):
@@ -127,6 +139,7 @@ class MotionFilter:
         self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
         self._stamp = self._emitted = stamp
         self._started = self._sparse = stamp
+        self._acceleration = np.zeros(self._n)
         self._period, self._messages = 0.0, 0
         return None
 
@@ -150,8 +163,11 @@ class MotionFilter:
             motion = self._weighed(motion, np.array((third[1], w * (second[1] - third[1]))))
         dt, self._emitted = stamp - self._emitted, stamp
         messages, self._messages = self._messages, 0
+        jerk = (motion[1] - self._acceleration) / dt
+        self._acceleration = motion[1]
         return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
-                            self._temperature.copy(), stamp - self._started < _FORGOTTEN, messages)
+                            self._temperature.copy(), stamp - self._started < _FORGOTTEN, messages,
+                            jerk)
 
     def _weighed(self, of_position, of_velocity):
         """Return velocity and acceleration (2, n), by the velocity alone after a wide step."""
@@ -163,7 +179,11 @@ class MotionFilter:
 
 @dataclass(frozen=True)
 class Motion:
-    """MotionSamples of one recording stacked: stamp, dt, messages (N,); the others (N, n)."""
+    """
+    MotionSamples of one recording stacked: stamp, dt, messages (N,); the others (N, n).
+
+    jerk is None where no filter has smoothed the motion.
+    """
 
     stamp: np.ndarray
     dt: np.ndarray
@@ -173,10 +193,23 @@ class Motion:
     effort: np.ndarray
     temperature: np.ndarray
     messages: np.ndarray
+    jerk: np.ndarray | None = None
 
     @staticmethod
     def of(samples):
         """Stack MotionSamples; those of a starting filter are left out."""
         samples = [s for s in samples if not s.fresh]
         return Motion(*(np.array([getattr(s, name) for s in samples]) for name in (
-            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature', 'messages')))
+            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature', 'messages', 'jerk')))
+
+    def part(self, rows):
+        """Return the Motion of some rows."""
+        values = (getattr(self, field.name) for field in fields(self))
+        return Motion(*(None if value is None else value[rows] for value in values))
+
+    def samples(self):
+        """Yield the MotionSamples."""
+        for k in range(len(self.stamp)):
+            row = self.part(k)
+            yield MotionSample(row.stamp, row.dt, row.q, row.v, row.a, row.effort,
+                               row.temperature, False, row.messages, row.jerk)

@@ -11,6 +11,8 @@ The state z in [-1, 1] is a function of the path alone, except for the value it 
 
 import numpy as np
 
+from .motion import smeared
+
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
 # A joint slower than this [rad/s] for longer than REST_TIME [s] is at rest: its drive may creep
@@ -23,6 +25,8 @@ MOVED = 1e-4
 # between two levels (the curve there differs from joint to joint), and while creeping.
 UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
 CREEP_SPEED = 0.01
+# And while the motion filter shows two directions at once: some of the one and some of the other.
+SMEARED = 0.5
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.
 STUCK_TIME = 1.0
@@ -106,18 +110,19 @@ def presliding_path(q, v, dt, distance, power=None):
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
-def stuck_variance(z, doubt, v, level):
+def stuck_variance(z, doubt, v, a, level):
     """
     Return the variance [Nm^2] of what presliding does to a model that does not know it.
 
-    z, doubt, v [rad/s] of any one shape; level: Coulomb level [Nm]. While a joint slides it is
-    nothing; a joint that is held, creeps or turns around tells the less.
+    z, doubt, v [rad/s], a [rad/s^2] of any one shape; level: Coulomb level [Nm]. While a joint
+    slides it is nothing; a joint that is held, creeps or turns around tells the less.
     """
     share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * (1.0 - z * z)
-             + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2)
+             + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2
+             + SMEARED ** 2 * smeared(v, a))
     return share * level ** 2
 
 
-def stuck_density(z, doubt, v, level):
+def stuck_density(z, doubt, v, a, level):
     """Return the density [Nm^2 s] of that error at low frequencies."""
-    return 2.0 * STUCK_TIME * stuck_variance(z, doubt, v, level)
+    return 2.0 * STUCK_TIME * stuck_variance(z, doubt, v, a, level)

@@ -34,6 +34,7 @@ class System:
         self.recording = np.concatenate([
             np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
+        self.acceleration = np.concatenate([x.a for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
         self._uses = uses
 
@@ -53,7 +54,7 @@ class System:
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where the friction state is in doubt."""
-        stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
+        stuck = stuck_density(self.z, self.doubt, self.velocity, self.acceleration, friction)
         for k in np.unique(self.owner):
             rows = self.owner == k
             stuck[rows] = as_reported(self._uses, stuck[rows], self.dt[rows])

@@ -13,6 +13,7 @@ from .effects import EFFECTS, EffectInput
 from .play import play_along
 from .presliding import presliding_path
 from .shown_friction import shown_along
+from .shown_links import shown_links
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
@@ -178,8 +179,7 @@ def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
-    for k in range(count):
-        columns[k, :, :10 * n] = robot.link_regressor(x.q[k], x.v[k], x.a[k])
+    columns[:, :, :layout.links] = shown_links(robot, x)
     layout.fill(columns, x)
     if layout.needs:
         held = 0.0 if held is None else held
@@ -268,7 +268,8 @@ def motion_input(robot, motion, distance, power=None):
     z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
     warmth = warmth_of(robot, motion.temperature)
     shown = shown_along(motion.q, motion.v, motion.a, motion.dt)
-    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown), doubt
+    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown,
+                       jerk=motion.jerk), doubt
 
 
 def real_torque(robot, q, effort):

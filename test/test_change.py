@@ -8,8 +8,8 @@ import numpy as np
 from plant_helpers import ur10e
 import pytest
 
-from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, PIECE, RecentData,
-                                                   WINDOWS)
+from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, LONG, PIECE,
+                                                   RecentData)
 from hand_load_estimator.estimators.information import Information
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.regression import LoadRegression
@@ -42,6 +42,16 @@ def test_a_change_of_two_kilograms_is_noticed_and_the_new_load_found(before, aft
     assert abs(last.mean[0] - after.mass) < max(3.0 * last.std[0], 0.03)
     old = [e for e in estimates if e.stamp < 103.0][-1]
     assert abs(old.mean[0] - before.mass) < max(3.0 * old.std[0], 0.03)
+
+
+@pytest.mark.parametrize('at', [2.55, 2.85, 3.15, 3.45])
+def test_a_large_change_in_motion_is_noticed_at_once_and_counted_once(at):
+    """What the motion filter still shows of the old load is no third one."""
+    estimates, pipeline = run(block(9.9), LoadParameters(), at=at, seconds=5.0)
+    seen = next(e.stamp for e in estimates if e.load_id > 0)
+    assert seen - 100.0 - at < 0.2 and pipeline.load_id == 1
+    after = [e for e in estimates if e.stamp > seen + 0.3]
+    assert max(abs(e.mean[0]) / e.std[0] for e in after) < 4.0
 
 
 @pytest.mark.parametrize('seed', range(6))
@@ -155,7 +165,7 @@ def test_recent_data_keep_every_row_once():
             for name in ('matrix', 'vector', 'by_joint'):
                 np.testing.assert_allclose(getattr(recent.total(), name), getattr(whole, name),
                                            atol=1e-8)
-    assert ends == pytest.approx(90 * 0.02 / PIECE, abs=1) and len(recent.pieces) == max(WINDOWS)
+    assert ends == pytest.approx(90 * 0.02 / PIECE, abs=1) and len(recent.pieces) == max(LONG)
     older, newest = recent.split(3)
     np.testing.assert_allclose(newest.vector, sum(p.vector for p in list(recent.pieces)[-3:]),
                                atol=1e-8)
@@ -165,11 +175,11 @@ def test_recent_data_keep_every_row_once():
 
 def test_old_data_fade_with_the_stated_memory():
     recent, ones = RecentData(6, 0, memory=10.0), np.ones((6, 10))
-    pieces = max(WINDOWS) + 100
+    pieces = max(LONG) + 100
     for _ in range(pieces):
         recent.add(ones, np.zeros(6), np.ones(6), PIECE)
     faded = np.sum(np.exp(-PIECE / 10.0 * np.arange(100)))
-    assert recent.total().matrix[0, 0] == pytest.approx(6.0 * (max(WINDOWS) + faded), rel=1e-6)
+    assert recent.total().matrix[0, 0] == pytest.approx(6.0 * (max(LONG) + faded), rel=1e-6)
 
 
 def test_the_kept_sum_is_the_sum_of_the_pieces():

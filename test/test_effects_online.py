@@ -14,6 +14,7 @@ from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.regression_system import System
+from hand_load_estimator.shown_links import shown_links
 from hand_load_estimator.torque_columns import (as_reported, ColumnLayout, EffectUse,
                                                 motion_input, parameter_count, torque_columns)
 
@@ -39,8 +40,8 @@ def along(model, samples):
     motion = Motion(*(np.array([getattr(s, name) for s in samples])
                       for name in Motion.__dataclass_fields__))
     x, _ = motion_input(model.robot, motion, model.presliding_distance())
-    return motion, x, np.array([model.robot.load_regressor(*row) @ LOAD.to_products()
-                                for row in zip(motion.q, motion.v, motion.a)])
+    held = model.robot.load_columns(shown_links(model.robot, motion)) @ LOAD.to_products()
+    return motion, x, held
 
 
 @pytest.fixture(scope='module')

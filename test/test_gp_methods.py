@@ -206,7 +206,7 @@ def gate(folder, monkeypatch):
     take = GpHistogram._take
     monkeypatch.setattr(GpHistogram, '_take', lambda self, *given: (
         taken.append(given), take(self, *given)))
-    feed(made, stream(LOAD, 4.6, seed=7))
+    feed(made, stream(LOAD, 4.6, seed=8))
     method, (sample, prediction, columns) = made.method, taken[-1]
     assert method.refused < 0.1 * len(taken)
 
@@ -228,18 +228,18 @@ def test_e2_4_an_outlier_raises_the_entropy_and_does_not_count(gate):
 
 
 def test_e2_4_an_outlier_in_a_stream_is_refused_and_widens_the_residual(folder):
-    """40 ms of torque eight standard deviations off, through the whole pipeline."""
+    """40 ms of torque eight standard deviations off while no joint turns, through all of it."""
     made, seen = pipeline('gp_histogram', folder), []
     off = 8.0 * model().residuals.rmse / model().robot.effort.torque_constants
-    for m in stream(LOAD, 4.0, seed=7):
-        struck = 103.0 <= m.stamp < 103.04
+    for m in stream(LOAD, 4.0, seed=9):
+        struck = 103.8 <= m.stamp < 103.84
         estimate = made.joint_state(m.stamp, m.names, m.position, m.velocity,
                                     m.effort + off * struck)
         if estimate is not None:
             seen.append((m.stamp, made.method.refused, made.method._scale.value,
                          (estimate.mean[0] - LOAD.mass) / estimate.std[0]))
     stamps, refused, scale, away = np.array(seen).T
-    before, after = stamps < 103.0, stamps > 103.05
+    before, after = stamps < 103.8, stamps > 103.85
     assert refused[after][0] > refused[before][-1]
     assert scale[after][0] > scale[before][-1] + 0.01
     assert np.abs(away[after]).max() < 4.0
@@ -319,7 +319,7 @@ def test_a_changed_load_is_found_anew(name, folder):
 @pytest.mark.parametrize('name', ['gp_histogram', 'gp_evolution'])
 def test_tare_and_reset(name, folder):
     made = pipeline(name, folder)
-    feed(made, stream(LOAD, 4.0, seed=7))
+    feed(made, stream(LOAD, 4.0, seed=9))
     made.tare(made.last_stamp)
     assert made.method.tared[0] == pytest.approx(2.0, abs=0.1)
     after = feed(made, [m for m in stream(LOAD, 7.0, seed=7) if m.stamp > 104.0])[-1]

@@ -74,7 +74,7 @@ def test_a_model_that_is_as_it_states_is_trusted_as_it_states(load):
     """Also with a load that the prior hardly expects."""
     factors, wider = [], []
     for seed in range(20):
-        trust, posterior, plain = watched(pieces_of(30, seed, load=load))
+        trust, posterior, plain = watched(pieces_of(50, seed, load=load))
         factors.append(trust.now.factor)
         wider.append(np.sqrt(posterior.covariance[0, 0] / plain.covariance[0, 0]))
         assert not trust.misfit

@@ -96,7 +96,7 @@ def test_a_long_rest_tells_no_more_than_a_short_one():
 
 def told_of_friction(doubt):
     """Return what a rest sampled every 10 ms tells of friction, over what its bounds tell of it."""
-    density = stuck_density(np.zeros(1), doubt, np.zeros(1), 1.0)
+    density = stuck_density(np.zeros(1), doubt, np.zeros(1), np.zeros(1), 1.0)
     return np.sum(0.01 / density) / 3.0
 
 
@@ -122,11 +122,20 @@ def test_joints_are_followed_apart():
 
 def test_a_sliding_joint_tells_all_and_a_held_one_little():
     level = np.array([9.0])
-    sliding = stuck_density(np.array([1.0]), np.array([0.0]), np.array([0.5]), level)
-    turning = stuck_density(np.array([0.0]), np.array([0.0]), np.array([0.5]), level)
-    held = stuck_density(np.array([0.0]), np.array([1.0]), np.array([0.0]), level)
+    zero, one, fast = np.zeros(1), np.ones(1), np.array([0.5])
+    sliding = stuck_density(one, zero, fast, zero, level)
+    turning = stuck_density(zero, zero, fast, zero, level)
+    held = stuck_density(zero, one, zero, zero, level)
     assert 0.0 <= sliding < 1e-6 < turning < held
     # Held, it may be anywhere: density 2 level^2 time of at least a quarter of the level.
     assert held > 2.0 * (0.25 * level) ** 2
-    assert stuck_density(np.zeros(1), np.ones(1), np.zeros(1), 2 * level) \
+    assert stuck_density(zero, one, zero, zero, 2 * level) \
         == pytest.approx(4.0 * held)
+
+
+def test_a_reversal_within_the_filter_s_memory_belongs_to_no_direction():
+    """A joint that has just turned around: the torque still holds the friction of the way there."""
+    level, sliding = np.array([2.0]), (np.ones(1), np.zeros(1))
+    turning = stuck_density(*sliding, np.array([-0.03]), np.array([-2.7]), level)
+    assert turning > 2.0 * (0.4 * level) ** 2
+    assert stuck_density(*sliding, np.array([-0.1]), np.array([-2.7]), level) < 1e-3

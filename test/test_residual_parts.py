@@ -122,9 +122,7 @@ def moving(evidence, joint=None, **changes):
 
 
 def cut(evidence, rows):
-    motion = evidence.motion
-    return replace(evidence, torque=evidence.torque[rows], motion=replace(motion, **{
-        name: getattr(motion, name)[rows] for name in vars(motion)}))
+    return replace(evidence, torque=evidence.torque[rows], motion=evidence.motion.part(rows))
 
 
 def test_too_short_and_resting_recordings_are_refused():

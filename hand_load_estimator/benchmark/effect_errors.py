@@ -4,7 +4,6 @@ import numpy as np
 
 from ..estimators.bayes import Bayes
 from ..model_follower import ModelFollower
-from ..motion import MotionSample
 from .contestants import Contestant
 
 MOVING = 0.02            # [rad/s] a joint that stands tells little of its torque
@@ -32,9 +31,7 @@ def rms(left, rows):
 def differences(model, motion):
     """Return tau_real - tau_mdl (N, n) along a Motion, as it is followed at run time."""
     follower = ModelFollower(model)
-    samples = zip(motion.stamp, motion.dt, motion.q, motion.v, motion.a, motion.effort,
-                  motion.temperature)
-    return np.array([follower.update(MotionSample(*row, False)).difference for row in samples])
+    return np.array([follower.update(sample).difference for sample in motion.samples()])
 
 
 def mass_errors(model, loaded):

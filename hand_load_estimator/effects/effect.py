@@ -23,7 +23,8 @@ class EffectInput:
     pose_share, impact): what a gap [rad] in the gear of joint j does to the torque of its drive
     (play.py), (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and
     impacts [s]; shown(j, travel, power, velocity): friction of size one as the motion filter
-    shows it (shown_friction.py), (N,) or (N, m) [-].
+    shows it (shown_friction.py), (N,) or (N, m) [-]; jerk [rad/s^3] where q, v and a come through
+    the motion filter.
     """
 
     q: np.ndarray
@@ -38,6 +39,7 @@ class EffectInput:
     late: Callable | None = None
     play: Callable | None = None
     shown: Callable | None = None
+    jerk: np.ndarray | None = None
 
     @cached_property
     def sign(self):

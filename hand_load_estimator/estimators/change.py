@@ -16,9 +16,12 @@ from .information import Information
 from .positive_solve import positive_solve, unit
 
 # Recent data are kept in pieces of this length [s of motion] ...
-PIECE = 0.1
-# ... and tested over the last so many of them.
-WINDOWS = (3, 10)
+PIECE, ROUNDING = 0.06, 1e-6
+# ... and tested over the last so many of them: the few always, the many in turns, as what shows
+# in many only is no matter of a tenth of a second.
+SHORT, LONG = 2, (5, 16)
+# A moment tells less surely than a while: friction that a model lacks comes and goes in it.
+OF_A_MOMENT = 2.0
 # Evidence needed: a log Bayes factor at which chance needs e^-25 of luck. Model error is not
 # chance, hence so high.
 EVIDENCE = 25.0
@@ -78,12 +81,12 @@ class RecentData:
         """Add a sample that stands for `moved` [s] of motion; tell whether it ended a piece."""
         self._open.add_rows(columns, difference, weights)
         self._length += moved
-        if self._length < PIECE:
+        if self._length < PIECE - ROUNDING:
             return False
         self.pieces.append(self._open)
         self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
-        if len(self.pieces) > max(WINDOWS):
+        if len(self.pieces) > max(LONG):
             # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
             self._closed.take_off(self.older, 1.0 - self._fade)
             self.older.scale(self._fade)

@@ -29,15 +29,15 @@ from .information import as_stated, Information, Trust
 TAILS = 4.0
 # Prior standard deviations beyond the prior's mean: as heavy, and as far away, is any load.
 ANY_LOAD = 3.0
-# Windows, in pieces, that are compared; the worst of them counts.
-WINDOWS = (2, 5, 10)
+# Windows, in pieces, that are compared; the worst of them counts. Every so many pieces is looked.
+WINDOWS, LOOK = (4, 8, 16), 2
 # Squares of agreement taken for granted, so that chance in the first windows widens nothing.
 ASSUMED = 3.0
 # What was compared longer ago than this much motion [s] fades.
 MEMORY = 30.0
 # Whether a load has changed is asked with the factor of so many pieces ago: a change that is not
 # noticed yet looks like a model that does not foretell.
-BEFORE = 20
+BEFORE = 34
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
 STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
@@ -54,7 +54,7 @@ class ModelTrust:
 
     def __init__(self, prior, nuisances, n=0, gain_doubt=0.0):
         self._size, self._gain_doubt = (n, nuisances), gain_doubt
-        self._fade = np.exp(-PIECE / MEMORY)
+        self._fade = np.exp(-LOOK * PIECE / MEMORY)
         self._any_load = any_load(prior)
         self._begin(np.zeros((10, 10)))
         self.clear()
@@ -78,7 +78,7 @@ class ModelTrust:
             self._begin(tare)
         self._precision = as_stated(self._size[1]).precision
         # What nothing was measured before has nothing to be compared with.
-        self._windows = [None] * len(WINDOWS)
+        self._windows, self._waiting = [None] * len(WINDOWS), LOOK - 1
         self._renew()
 
     def begin_anew(self, pieces):
@@ -115,12 +115,16 @@ class ModelTrust:
 
     def take(self, piece):
         """Take a piece of Information that has just ended; look() judges it."""
+        self._waiting += 1
         for window in filter(None, self._windows):
             window.information.add(piece)
             window.pieces += 1
 
     def look(self, information):
-        """Judge what came since the last look; information: all there is so far."""
+        """Judge what came since the last look, if enough; information: all there is so far."""
+        if self._waiting < LOOK:
+            return
+        self._waiting = 0
         precision = information.matrix.copy()
         precision[:10, :10] += self._load_precision
         precision[10:, 10:] += self._precision
@@ -147,10 +151,10 @@ class ModelTrust:
 
     def _know(self, counts):
         self._counts = counts
-        self._past = deque([counts], maxlen=BEFORE + 1)
+        self._past = deque([counts], maxlen=BEFORE // LOOK + 1)
 
     def _counts_before(self, pieces):
-        return self._past[max(len(self._past) - 1 - pieces, 0)]
+        return self._past[max(len(self._past) - 1 - -(-pieces // LOOK), 0)]
 
     def _renew(self):
         self.now = Trust(self._precision, _factor(self._counts))

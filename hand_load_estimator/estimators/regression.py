@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..torque_model import DRIFTS
-from .change import change_covariance, EVIDENCE, log_bayes_factor, RecentData, WINDOWS
+from .change import change_covariance, EVIDENCE, log_bayes_factor, LONG, RecentData, SHORT, OF_A_MOMENT
 from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
 from .method import Belief, checked
 from .model_trust import ModelTrust
@@ -17,6 +17,10 @@ MOVING = 0.02
 # A change is taken back when it turns out within so long [s] to have been a contact, and not twice
 # within so long.
 TAKEN_BACK, NOT_TWICE = 1.5, 5.0
+# For so long [s] after a change was seen the motion filter may still show the load before it.
+SETTLING = 0.05
+# Pieces in which a change came that is seen while the arm stands.
+AT_REST = 5
 
 
 class LoadRegression:
@@ -46,7 +50,7 @@ class LoadRegression:
         self._evidence = EVIDENCE / min(load_share, 1.0)
         self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
-        self.changes, self.last_change, self.changed_pieces = 0, None, min(WINDOWS)
+        self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._turn, self._unchecked = 0, None
@@ -54,7 +58,13 @@ class LoadRegression:
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
-        """Add a sample: columns (n, 10 + r), difference (n,), weights (n,)."""
+        """
+        Add a sample: columns (n, 10 + r), difference (n,), weights (n,).
+
+        Not while the motion filter still shows the load before a change.
+        """
+        if self.last_change is not None and 0.0 <= sample.stamp - self.last_change < SETTLING:
+            return
         moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
         if self._tare is not None:
             difference = difference - columns[:, :10] @ self._zero
@@ -71,12 +81,11 @@ class LoadRegression:
         if self._unchecked is None:
             return
         stamp, self._unchecked = self._unchecked, None
-        # The windows take turns, which halves the longest time a sample takes.
-        self._turn = (self._turn + 1) % len(WINDOWS)
-        split = self._recent.split(WINDOWS[self._turn])
+        self._turn = (self._turn + 1) % len(LONG)
         # Torques that vary so much more than stated make so much more evidence by themselves.
         needed = self._evidence * self.trust.factor_before()
-        if split is not None and self._evidence_of(split) > needed:
+        if (self._evidence_of_newest(SHORT) > OF_A_MOMENT * needed
+                or self._evidence_of_newest(LONG[self._turn]) > needed):
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change())
         else:
@@ -191,7 +200,7 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
                             self._tare, replace(self.trust.now, factor=1.0))
 
-    def begin_anew(self, stamp, pieces=min(WINDOWS)):
+    def begin_anew(self, stamp, pieces=AT_REST):
         """
         Forget the load because another is held since about `stamp` [s].
 
@@ -226,6 +235,11 @@ class LoadRegression:
         self.update_posterior()
         return True
 
+    def _evidence_of_newest(self, count):
+        """Return the log Bayes factor of another load in the last `count` pieces, if they are."""
+        split = self._recent.split(count)
+        return -np.inf if split is None else self._evidence_of(split)
+
     def _evidence_of(self, split):
         """Return the log Bayes factor of a changed load between (older, recent) Information."""
         older, recent = split
@@ -233,7 +247,7 @@ class LoadRegression:
 
     def _pieces_since_change(self):
         """Return how many pieces are most likely another load's, and the one it came in."""
-        splits = {count: self._recent.split(count) for count in range(1, max(WINDOWS) + 1)}
+        splits = {count: self._recent.split(count) for count in range(1, max(LONG) + 1)}
         return 1 + max((count for count, split in splits.items() if split is not None),
                        key=lambda count: self._evidence_of(splits[count]))
 

@@ -102,7 +102,7 @@ class SequenceMaker:
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), z, v)
         level, intensity = model.friction_level(), model.residuals.intensity
-        stuck = stuck_density(z, doubt, v, level)
+        stuck = stuck_density(z, doubt, v, a, level)
         share = _share(Window(*(part[before] for part in (
             load_columns, nuisances, difference, dt[:, None] / (intensity + stuck)))), dt[before])
         moving = np.flatnonzero((np.abs(v[late]) > 0.05).any(axis=1))

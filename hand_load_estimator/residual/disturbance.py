@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..motion import BANDWIDTH, Motion
+from ..motion import DELAY
 from .interval import edge_curve, fit, Kind, Search
 from .usual import Usual
 
@@ -22,7 +22,6 @@ TIE = 5.0
 LEFT_OUT = 0.1
 # What edges are known to at best [s]: nobody knows how fast a push rises.
 EDGE_STD = 0.02
-DELAY = 3.0 / BANDWIDTH    # [s] of the motion filter
 NEAR = 0.8                 # [s] within which an edge is looked for row by row
 # Nothing is looked for in recordings shorter than this [s], and no shorter parts are kept.
 SHORTEST_RECORDING, SHORTEST_PART = 3.0, 1.0
@@ -278,7 +277,6 @@ def undisturbed(evidence, rows, share=(0.0, 1.0)):
 
 
 def _part(evidence, rows):
-    motion = Motion(*(getattr(evidence.motion, name)[rows] for name in
-                      Motion.__dataclass_fields__))
     held = None if evidence.held is None else evidence.held[rows]
-    return replace(evidence, motion=motion, torque=evidence.torque[rows], held=held)
+    return replace(evidence, motion=evidence.motion.part(rows), torque=evidence.torque[rows],
+                   held=held)

@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import EFFECTS, EffectInput
 from ..evidence import recording_numbers
 from ..filtered_noise import noise_floor, white_density
-from ..motion import BANDWIDTH
+from ..motion import smeared
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
 from ..torque_columns import (as_reported, EffectUse, lateness, motion_input, play_columns,
@@ -157,11 +157,11 @@ def _of_recording(model, evidence, compared):
     stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
     sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
-    density = sliding + as_reported(model.uses, stuck_density(x.z, doubt, x.v, level), motion.dt)
+    stuck = stuck_density(x.z, doubt, x.v, x.a, level)
+    density = sliding + as_reported(model.uses, stuck, motion.dt)
     known = (doubt < 0.1) & (np.abs(x.v) > 0.01)
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
-    smeared = np.abs(x.v) < 3.0 * np.abs(x.a) / BANDWIDTH
-    weights = np.where(smeared, 0.0, motion.dt[:, None] / density)
+    weights = np.where(smeared(x.v, x.a), 0.0, motion.dt[:, None] / density)
     moving = known & (np.abs(x.z) > 0.9)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
             'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),

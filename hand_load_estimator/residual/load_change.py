@@ -4,6 +4,7 @@ import numpy as np
 
 from ..effects import LOAD_CHANGE
 from ..load import message_from_products, products_jacobian_of_message
+from ..shown_links import shown_links
 from .disturbance import Cause
 from .interval import Kind
 
@@ -26,9 +27,9 @@ def load_change(robot, residual, declared):
     declared: LoadParameters per recording. No load gets lighter than nothing.
     """
     x, rated = residual.x, robot.rated_load.mass
-    links = np.array([robot.link_regressor(*row) for row in zip(x.q, x.v, x.a)])
     scale = rated * np.array([1.0, *[REACH] * 3, *[REACH ** 2 + GYRATION] * 6])
-    kind = Kind(NAME, robot.load_columns(links) * scale, scale, CELL, SHORTEST, LONGEST, True)
+    columns = robot.load_columns(shown_links(robot, x))
+    kind = Kind(NAME, columns * scale, scale, CELL, SHORTEST, LONGEST, True)
 
     def possible(products, covariance, owner):
         mass, std = products[0], np.sqrt(covariance[0, 0])
