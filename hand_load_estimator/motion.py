@@ -96,7 +96,7 @@ class MotionFilter:
 
     def restart(self):
         """Forget the motion (not the temperatures)."""
-        self._state = self._acceleration = None
+        self._state, self._acceleration = None, np.zeros(self._n)
         self._period = 0.0
 
     def set_temperature(self, joint_index, celsius):
@@ -199,8 +199,12 @@ class Motion:
     def of(samples):
         """Stack MotionSamples; those of a starting filter are left out."""
         samples = [s for s in samples if not s.fresh]
-        return Motion(*(np.array([getattr(s, name) for s in samples]) for name in (
-            'stamp', 'dt', 'q', 'v', 'a', 'effort', 'temperature', 'messages', 'jerk')))
+        columns = {field.name: [getattr(s, field.name) for s in samples]
+                   for field in fields(Motion)}
+        if any(jerk is None for jerk in columns['jerk']):
+            columns['jerk'] = None
+        return Motion(**{name: None if column is None else np.array(column)
+                         for name, column in columns.items()})
 
     def part(self, rows):
         """Return the Motion of some rows."""

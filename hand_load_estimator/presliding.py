@@ -11,7 +11,7 @@ The state z in [-1, 1] is a function of the path alone, except for the value it 
 
 import numpy as np
 
-from .motion import smeared
+from .motion import DELAY, smeared
 
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
@@ -25,8 +25,9 @@ MOVED = 1e-4
 # between two levels (the curve there differs from joint to joint), and while creeping.
 UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
 CREEP_SPEED = 0.01
-# And while the motion filter shows two directions at once: some of the one and some of the other.
-SMEARED = 0.5
+# And while the motion filter shows two directions at once, about as much of either: anywhere between
+# both levels would be 0.58. What could be noise of a standing joint [rad/s] is no reversal.
+SMEARED, TURNS = 0.5, 0.02
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.
 STUCK_TIME = 1.0
@@ -119,7 +120,7 @@ def stuck_variance(z, doubt, v, a, level):
     """
     share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * (1.0 - z * z)
              + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2
-             + SMEARED ** 2 * smeared(v, a))
+             + SMEARED ** 2 * (smeared(v, a) & (DELAY * np.abs(a) > TURNS)))
     return share * level ** 2
 
 

@@ -6,7 +6,9 @@ seen is F[Y], where Y at the filtered motion is something else, because Y bends 
 the plainest case: while a joint turns, the mean of its cosine is less than the cosine of its mean
 angle, and a load at rest in the filter's eye weighs more than one that passes by. To second order
 in what the arm does within the filter, F[Y(x)] = Y + s^2 Y''[x', x'] / 2 for a filter whose
-impulse response has the standard deviation s: the mean of Y at x + s x' and x - s x'.
+impulse response has the standard deviation s: the mean of Y at x + s x' and x - s x'. Messages
+further apart than 10 ms are joined by straight lines, which spread a motion as well: less of the
+error is made up for then, a third of it at 20 Hz.
 """
 
 import numpy as np

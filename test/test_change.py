@@ -173,6 +173,13 @@ def test_recent_data_keep_every_row_once():
         p.matrix for p in recent.pieces) + recent.older.matrix, atol=1e-6)
 
 
+def test_stamps_that_jitter_make_pieces_of_the_same_length():
+    rng, recent, ends = np.random.default_rng(6), RecentData(6, 0, memory=1e12), 0
+    for moved in 0.02 + rng.uniform(-1e-4, 1e-4, 3000):
+        ends += recent.add(np.zeros((6, 10)), np.zeros(6), np.ones(6), moved)
+    assert ends == pytest.approx(60.0 / PIECE, rel=0.01)
+
+
 def test_old_data_fade_with_the_stated_memory():
     recent, ones = RecentData(6, 0, memory=10.0), np.ones((6, 10))
     pieces = max(LONG) + 100

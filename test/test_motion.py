@@ -86,10 +86,9 @@ def test_the_acceleration_is_the_derivative_of_the_velocity_that_is_given_out():
     speed = np.random.default_rng(1).normal(size=2000)
     path = np.append(0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) / rate))
     motion_filter, v, a = MotionFilter(1), [], []
-    for k in range(2000):
+    motion_filter.update(0.0, path[:1], speed[:1], np.zeros(1))
+    for k in range(1, 2000):
         motion_filter.update(k / rate, path[k:k + 1], speed[k:k + 1], np.zeros(1))
-        if k == 0:
-            continue
         sample = motion_filter._sample(k / rate)
         v.append(sample.v[0])
         a.append(sample.a[0])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.presliding import (presliding_path, PreslidingState, REST_TIME,
                                             stuck_density, turned)
 
@@ -139,3 +140,14 @@ def test_a_reversal_within_the_filter_s_memory_belongs_to_no_direction():
     turning = stuck_density(*sliding, np.array([-0.03]), np.array([-2.7]), level)
     assert turning > 2.0 * (0.4 * level) ** 2
     assert stuck_density(*sliding, np.array([-0.1]), np.array([-2.7]), level) < 1e-3
+
+
+def test_noise_of_a_standing_joint_is_no_reversal():
+    """Filtered velocity and acceleration of noise alone, 10 mrad/s at 500 Hz."""
+    rng, motion_filter, zero = np.random.default_rng(1), MotionFilter(1), np.zeros(1)
+    samples = [motion_filter.update(0.002 * k, zero, 0.01 * rng.normal(size=1), zero)
+               for k in range(5000)]
+    v, a = np.array([(s.v[0], s.a[0]) for s in samples if s is not None and not s.fresh]).T
+    noisy = stuck_density(np.ones(len(v)), np.zeros(len(v)), v, a, 1.0)
+    quiet = stuck_density(np.ones(len(v)), np.zeros(len(v)), v, np.zeros(len(v)), 1.0)
+    np.testing.assert_array_equal(noisy, quiet)

@@ -63,7 +63,8 @@ class BesideBayes(Watching):
     def forget(self):
         """Forget the load."""
         self._plain.forget()
-        self._begin_anew()
+        self._counted.forget()
+        self._restart()
 
     def tare(self):
         """Make what is held now the new zero."""
@@ -73,7 +74,7 @@ class BesideBayes(Watching):
         self._restart()
 
     def _begin_anew(self):
-        self._counted.forget()
+        self._counted.begin_anew(self.last_change)
         self._restart()
 
     def _posterior(self, mass):

@@ -15,12 +15,13 @@ from ..load import products_jacobian_of_shape
 from .information import Information
 from .positive_solve import positive_solve, unit
 
-# Recent data are kept in pieces of this length [s of motion] ...
-PIECE, ROUNDING = 0.06, 1e-6
+# Recent data are kept in pieces of about this length [s of motion] ...
+PIECE = 0.06
 # ... and tested over the last so many of them: the few always, the many in turns, as what shows
 # in many only is no matter of a tenth of a second.
 SHORT, LONG = 2, (5, 16)
-# A moment tells less surely than a while: friction that a model lacks comes and goes in it.
+# Evidence is asked for so many times over in a moment: friction that a model lacks comes and goes
+# in it. On sick development arms this brought as few false changes as not looking at all.
 OF_A_MOMENT = 2.0
 # Evidence needed: a log Bayes factor at which chance needs e^-25 of luck. Model error is not
 # chance, hence so high.
@@ -62,12 +63,12 @@ class RecentData:
     """
 
     def __init__(self, n, nuisances, memory):
-        self.size, self._fade = (n, nuisances), np.exp(-PIECE / memory)
+        self.size, self._memory = (n, nuisances), memory
         self.clear()
 
     def clear(self):
         """Forget everything."""
-        self.older, self.pieces = Information(*self.size), deque()
+        self.older, self.pieces, self._lengths = Information(*self.size), deque(), deque()
         self._open, self._length = Information(*self.size), 0.0
         self._closed = Information(*self.size)
 
@@ -81,15 +82,18 @@ class RecentData:
         """Add a sample that stands for `moved` [s] of motion; tell whether it ended a piece."""
         self._open.add_rows(columns, difference, weights)
         self._length += moved
-        if self._length < PIECE - ROUNDING:
+        # The nearest to the length: stamps jitter.
+        if self._length < PIECE - 0.5 * moved:
             return False
         self.pieces.append(self._open)
+        self._lengths.append(self._length)
         self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
         if len(self.pieces) > max(LONG):
             # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
-            self._closed.take_off(self.older, 1.0 - self._fade)
-            self.older.scale(self._fade)
+            kept = np.exp(-self._lengths.popleft() / self._memory)
+            self._closed.take_off(self.older, 1.0 - kept)
+            self.older.scale(kept)
             self.older.add(self.pieces.popleft())
         return True
 

@@ -6,7 +6,7 @@ Two things tell while the arm moves, in pieces of change.py:
 
 Heavy tails. Each direction in which the model may be wrong has a Student prior instead of a normal
 one: its variance is what the posterior says the direction needs, v = (nu + n^2 + S) / (nu + 1),
-never less than stated (one step of expectation maximisation per piece). A friction level ten
+never less than stated (one step of expectation maximisation per LOOK pieces). A friction level ten
 stated deviations off is then found, and not taken for a load.
 
 Normalised innovations. For all else, every window of motion is compared with what the belief
@@ -121,7 +121,9 @@ class ModelTrust:
             window.pieces += 1
 
     def look(self, information):
-        """Judge what came since the last look, if enough; information: all there is so far."""
+        """
+        Judge what came since the last look, if LOOK pieces did; information: all there is so far.
+        """
         if self._waiting < LOOK:
             return
         self._waiting = 0

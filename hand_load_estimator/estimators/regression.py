@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..torque_model import DRIFTS
-from .change import change_covariance, EVIDENCE, log_bayes_factor, LONG, RecentData, SHORT, OF_A_MOMENT
+from .change import (change_covariance, EVIDENCE, log_bayes_factor, LONG, OF_A_MOMENT, RecentData,
+                     SHORT)
 from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
 from .method import Belief, checked
 from .model_trust import ModelTrust
@@ -17,9 +18,11 @@ MOVING = 0.02
 # A change is taken back when it turns out within so long [s] to have been a contact, and not twice
 # within so long.
 TAKEN_BACK, NOT_TWICE = 1.5, 5.0
-# For so long [s] after a change was seen the motion filter may still show the load before it.
+# For so long [s] after a change was seen the motion filter still shows the load before it: seen it
+# is 0.03 s late at the earliest, and 0.08 s after it 1.4 % are left.
 SETTLING = 0.05
-# Pieces in which a change came that is seen while the arm stands.
+# While an arm stands no piece ends. The last so many are left out where the old load comes back:
+# it may have been let go already while the arm came to rest.
 AT_REST = 5
 
 
