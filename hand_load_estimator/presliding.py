@@ -25,8 +25,8 @@ MOVED = 1e-4
 # between two levels (the curve there differs from joint to joint), and while creeping.
 UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
 CREEP_SPEED = 0.01
-# And while the motion filter shows two directions at once, about as much of either: anywhere between
-# both levels would be 0.58. What could be noise of a standing joint [rad/s] is no reversal.
+# And while the motion filter shows two directions at once, about as much of either: anywhere
+# between both levels would be 0.58. What could be noise of a standing joint [rad/s] is no reversal.
 SMEARED, TURNS = 0.5, 0.02
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.

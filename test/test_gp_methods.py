@@ -228,7 +228,7 @@ def test_e2_4_an_outlier_raises_the_entropy_and_does_not_count(gate):
 
 
 def test_e2_4_an_outlier_in_a_stream_is_refused_and_widens_the_residual(folder):
-    """40 ms of torque eight standard deviations off, no joint just turning around, through all of it."""
+    """40 ms of torque eight standard deviations off, where no joint turns around, through all."""
     made, seen = pipeline('gp_histogram', folder), []
     off = 8.0 * model().residuals.rmse / model().robot.effort.torque_constants
     for m in stream(LOAD, 4.0, seed=9):
