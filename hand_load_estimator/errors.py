@@ -22,6 +22,11 @@ class ConfigurationError(HandLoadError):
             parts.append(todo)
         super().__init__('; '.join(parts))
         self.where = str(where)
+        self._said = where, what, value, allowed, todo
+
+    def __reduce__(self):
+        # A worker process hands it to its parent pickled.
+        return type(self), self._said
 
 
 class RecordingError(HandLoadError):
