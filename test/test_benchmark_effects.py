@@ -16,7 +16,8 @@ from hand_load_estimator.benchmark.effect_goals import beyond, verdicts
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_page import effects_markdown
 from hand_load_estimator.benchmark.effect_scores import (confusions, effect_rows, not_tried,
-                                                         only_widely, pair_rows, seen_ratio, totals)
+                                                         only_widely, pair_rows, seen_ratio,
+                                                         totals)
 from hand_load_estimator.benchmark.share import wilson
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.identification import identify

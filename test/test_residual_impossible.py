@@ -45,8 +45,8 @@ def test_the_report_names_joint_parameter_and_interval():
     findings, told = on_wrong_footing((), joints, wrong, wrong)
     assert findings == () and told == (
         f'{joints[2]}: the model that was diagnosed is impossible at this joint: coefficient of '
-        'viscous_friction -0.52 ± 0.4 Nm s/rad (two standard deviations), and physics allows none '
-        'below zero',)
+        'viscous_friction -0.52 ± 0.4 Nm s/rad (two standard deviations), and physics allows '
+        'none below zero',)
     _, told = on_wrong_footing((), joints, wrong, with_value('viscous_friction', 2, -0.72, 0.15))
     assert len(told) == 2 and told[1].startswith(f'{joints[2]}: the model written is impossible')
 

@@ -285,7 +285,7 @@ class ControllerNode(Node):
 
 
 def _known_mass(values):
-    """Return the mass [kg] that a status tells of beside the estimate, NaN where it is no number."""
+    """Return the mass [kg] that a status tells of beside the estimate, NaN if it is no number."""
     try:
         return sum(float(values.get(key, 0.0)) for key in KNOWN_MASSES)
     except ValueError:
