@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_residual_trace import declared_model, on, recorded, viscous
+from residual_helpers import declared_model, on, recorded, viscous
 
 from hand_load_estimator.residual.blocks import Score
 from hand_load_estimator.residual.diagnose import diagnose

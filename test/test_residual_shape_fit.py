@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_residual_trace import declared_model, Hidden, noise_of, on, play, recorded
+from residual_helpers import declared_model, Hidden, noise_of, on, play, recorded
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.find import find_residual

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_residual_parts import waving
+from test_residual_ripple import waving
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.blocks import Blocks
