@@ -1,8 +1,8 @@
 """Goals from results made by hand, the tables behind them, and how a page is told."""
 
+from benchmark_helpers import result
 import numpy as np
 import pytest
-from test_benchmark import result
 
 from hand_load_estimator.benchmark import goals
 from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture, Table, Text,
