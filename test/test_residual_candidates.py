@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.trace import Trace
 
 

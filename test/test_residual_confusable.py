@@ -10,7 +10,7 @@ from hand_load_estimator.residual.candidate import Candidate
 from hand_load_estimator.residual.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION, PAIRS,
                                                      partners, same_torque)
 from hand_load_estimator.residual.findings import separating_motion
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.robot import robot_from_content
 
 

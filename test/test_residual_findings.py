@@ -16,7 +16,7 @@ from hand_load_estimator.residual.candidate import Candidate, Step
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.findings import refuted
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.pictures import picture
 from hand_load_estimator.residual.pictures import travel as travel_since_reversal
 

@@ -6,7 +6,7 @@ from residual_helpers import declared_model, Hidden, noise_of, on, play, recorde
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.shape_fit import settled
 from hand_load_estimator.residual.shape_std import shape_std
 

@@ -9,7 +9,7 @@ from residual_helpers import (cable, clean_runs, declared_model, Hidden, noise_o
 
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.foretelling import Foretelling
-from hand_load_estimator.residual.hypotheses import hats
+from hand_load_estimator.residual.plain_functions import hats
 from hand_load_estimator.residual.structure import followed, ORDER, structures, TEMPERATURE
 
 JOINT, OTHER = 1, 3
