@@ -17,8 +17,8 @@ from .shared_files import share_folder
 _PERIOD = 0.2  # [s] between two looks at the nodes
 _LATE = 60.0  # [s] without a change of phase: something hangs
 _AFTER = 2.0  # [s] to show how the estimate follows an emptied hand
-# Simulated seconds per second. A collision threshold allows messages 30 ms: at full speed a machine
-# of two cores that does other work too is later than that, and the controller stops the arm.
+# Simulated seconds per second. A collision threshold allows messages 30 ms: at full speed a
+# machine of two cores doing other work too is later than that, and the controller stops the arm.
 _PACE = 0.7
 
 
@@ -78,8 +78,10 @@ class NodeProcesses:
             with open(self.log(name), 'wb') as log:
                 self._processes[name] = subprocess.Popen(
                     [sys.executable, '-m', f'{__package__}.nodes.{name}_node', '--ros-args',
-                     '--params-file', str(share_folder() / 'config' / f'{name}.yaml'), *arguments], stdout=log, stderr=subprocess.STDOUT,
-                    stdin=subprocess.DEVNULL, start_new_session=True,
+                     '--params-file', str(share_folder() / 'config' / f'{name}.yaml'),
+                     *arguments],
+                    stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                    start_new_session=True,
                     env={**os.environ, 'PYTHONUNBUFFERED': '1'})
 
     def __enter__(self):

@@ -54,7 +54,7 @@ class Derivatives:
         return of_velocity + self.share * apart
 
     def _learn(self, apart, velocity, moving):
-        """Take fourth differences (n,): of what lies between both accelerations, the velocity's."""
+        """Take fourth differences (n,) of what lies between both accelerations and of velocity."""
         self._count = np.minimum(self._count + moving, _MEMORY)
         step = moving / np.maximum(self._count, 1.0)
         square = apart * apart

@@ -42,9 +42,9 @@ class InputGuard:
         """
         Return (3, n): q, v, effort, or None.
 
-        v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a joint
-        has no such interface. `restarted` tells whether the clock or the
-        arm jumped before this message.
+        v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
+        joint has no such interface. `restarted` tells whether the clock or the arm jumped before
+        this message.
         """
         key = tuple(names)
         if key not in self._index_of:

@@ -13,7 +13,7 @@ TEMPERATURE_LIFE = 30.0
 
 
 def joint_index(name, joints):
-    """Return which of the joints a name means, also behind a tf_prefix; None where not just one."""
+    """Return which of the joints a name means, also behind a tf_prefix; None if not just one."""
     if name in joints:
         return joints.index(name)
     matches = [i for i, joint in enumerate(joints) if name.endswith(joint)]

@@ -58,4 +58,5 @@ def _locked(taken):
         except OSError:
             lock.close()
     raise ConfigurationError('ROS domain', 'none is free on this machine', allowed='1 to 101',
-                             todo=f'end a demo or test, or remove {folder}/hand_load_domain_*.lock')
+                             todo='end a demo or test, or remove '
+                                  f'{folder}/hand_load_domain_*.lock')

@@ -16,8 +16,8 @@ from .motion import DELAY, smeared
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
 # A joint slower than this [rad/s] for longer than REST_TIME [s] is at rest: its drive may creep
-# and the contacts relax, so the friction it holds is not known any more. A speed above it while the
-# joint stays within MOVED [rad] is noise of the sensor.
+# and the contacts relax, so the friction it holds is not known any more. A speed above it while
+# the joint stays within MOVED [rad] is noise of the sensor.
 REST_SPEED = 2e-3
 REST_TIME = 0.2
 MOVED = 1e-4
@@ -26,7 +26,7 @@ MOVED = 1e-4
 UNKNOWN_START, ON_THE_WAY, CREEPING = 0.5, 0.2, 0.1
 CREEP_SPEED = 0.01
 # And while the motion filter shows two directions at once, about as much of either: anywhere
-# between both levels would be 0.58. What could be noise of a standing joint [rad/s] is no reversal.
+# between both levels would be 0.58. What may be noise of a standing joint [rad/s] is no reversal.
 SMEARED, TURNS = 0.5, 0.02
 # Such an error lasts about this long [s], as long as a joint is held; as a coloured error of
 # that memory its density is 2 level^2 time.

@@ -48,7 +48,8 @@ def _price(shape, value):
 
 def _shapes_of(uses):
     """Return the different (effect name, Shape) pairs, presliding first: it changes z."""
-    seen = {(u.name, s.name): (u.name, s) for u in uses for s in u.effect.shapes if len(s.grid) > 1}
+    seen = {(u.name, s.name): (u.name, s)
+            for u in uses for s in u.effect.shapes if len(s.grid) > 1}
     return sorted(seen.values(), key=lambda pair: pair[0] != 'presliding_hysteresis')
 
 

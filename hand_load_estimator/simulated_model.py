@@ -13,5 +13,5 @@ def told_of_simulated(model, simulated):
     """
     if simulated or not SHIPPED & {mark.content for mark in model.recordings}:
         return ''
-    return ('the torque model that comes with the package is of a simulated arm: identify your own '
-            '(hand_load identify), or set use_sim_time where the arm is simulated')
+    return ('the torque model that comes with the package is of a simulated arm: identify your '
+            'own (hand_load identify), or set use_sim_time where the arm is simulated')

@@ -128,7 +128,8 @@ class MotionSuggester:
         wanted = wanted if wanted.any() else open_
         best, best_std = (None, now)
         if open_.any():
-            best, best_std = self._best(_Belief(mean, covariance, factor), pose, temperature, wanted)
+            belief = _Belief(mean, covariance, factor)
+            best, best_std = self._best(belief, pose, temperature, wanted)
         names = np.array(MESSAGE_ORDER)
         if best is None:
             return Suggestion(tuple(names[open_]), (), (), None, now, now)

@@ -57,8 +57,8 @@ def generate_launch_description():
         _argument('model', '', 'torque model file: a path, or the short name of a shipped one; '
                   'empty: as the parameter files say'),
         _argument('namespace', '', 'namespace of all nodes and topics'),
-        _switch('simulate', 'false', 'start the simulator in place of an arm: only where no arm and '
-                'no driver of one is on the same ROS domain'),
+        _switch('simulate', 'false', 'start the simulator in place of an arm: only where no arm '
+                'and no driver of one is on the same ROS domain'),
         # With it unless told otherwise: a node that waits for a /clock of nobody does nothing.
         _switch('use_sim_time', LaunchConfiguration('simulate'), 'time comes from /clock'),
         _switch('control', 'false', 'start the controller, which moves the arm after '

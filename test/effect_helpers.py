@@ -1,9 +1,10 @@
-"""Inputs that effects read, and models with chosen effects of stated values."""
+"""Motion and inputs that effects read, and models with chosen effects of stated values."""
 
 from core_helpers import effect_uses, message_noise, true_parameters
 import numpy as np
 
 from hand_load_estimator.effects import EFFECTS, EffectInput
+from hand_load_estimator.motion import Motion
 from hand_load_estimator.play import play_along
 from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.shown_friction import shown_along
@@ -14,14 +15,29 @@ from hand_load_estimator.torque_model import Residuals, TorqueModel
 DT = 0.02
 
 
+def waves(robot, rng, seconds, celsius):
+    """Return a Motion of many sines, filtered as far as identification knows."""
+    t = np.arange(int(seconds / DT)) * DT
+    q, v, a = (np.zeros((len(t), robot.n)) for _ in range(3))
+    for w in 2.0 * np.pi * np.array([0.06, 0.13, 0.21, 0.33, 0.47]):
+        size, phase = rng.uniform(0.1, 0.5, robot.n) * 0.6 / w, rng.uniform(0, 6.3, robot.n)
+        angle = w * t[:, None] + phase
+        q += size * np.sin(angle)
+        v += size * w * np.cos(angle)
+        a -= size * w * w * np.sin(angle)
+    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius),
+                  np.full(len(t), 10))
+
+
 def inputs(n=4, count=60, seed=0):
     """Return an EffectInput of random numbers with everything an effect may read."""
     rng, shape = np.random.default_rng(seed), (60, n)
     torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
     q, v, a = (rng.uniform(-size, size, shape) for size in (2, 1, 3))
     return EffectInput(
-        q, v, a, rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape), 10.0 * rng.normal(size=shape),
-        torque, rng.normal(size=shape), rng.normal(size=(*shape, 2)), lateness(torque, dt),
+        q, v, a, rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape),
+        10.0 * rng.normal(size=shape), torque, rng.normal(size=shape),
+        rng.normal(size=(*shape, 2)), lateness(torque, dt),
         play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt), shown_along(q, v, a, dt))
 
 

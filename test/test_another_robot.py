@@ -7,8 +7,8 @@ from pathlib import Path
 from core_helpers import block
 import numpy as np
 import pytest
+from residual_helpers import declared_model, recorded
 from ros_helpers import ROOT
-from test_residual_trace import declared_model, recorded
 
 from hand_load_estimator.benchmark.real_robots import write_robot_file
 from hand_load_estimator.benchmark.real_sets import SETS, stage

@@ -1,18 +1,21 @@
 """Goals from results made by hand, the tables behind them, and how a page is told."""
 
+from benchmark_helpers import result
 import numpy as np
 import pytest
-from test_benchmark import result
 
-from hand_load_estimator.benchmark import goals
+from hand_load_estimator.benchmark.contestants import (NOMINAL, OUR_MODEL, REGRESSOR, TEXTBOOK,
+                                                       TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import (blocks_of, Heading, Picture, Table, Text,
                                                     to_html, to_markdown, write_pages)
+from hand_load_estimator.benchmark.goal_judges import NOT_MEASURED
+from hand_load_estimator.benchmark.goals import goal_rows, goal_table
 from hand_load_estimator.benchmark.hidden_scores import hidden_blocks, hidden_scores
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.scores import (inertia_scores, network_shares,
                                                   offline_scores, overview, rivals_of, score)
 
-NAMES = ('lstm', 'bayes', goals.NOMINAL, goals.TEXTBOOK, goals.TEXTBOOK_CAREFUL)
+NAMES = ('lstm', 'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL)
 
 
 def case(plant, offs, std=1.0, bound=0.5):
@@ -35,14 +38,14 @@ def content(results, counts=(2000, 50)):
 def judged(contents):
     """Return {goal: (measured, reached)} of {suite: content}."""
     runs = [(suite, {'suite': suite, **content}) for suite, content in contents.items()]
-    return {row.goal: (row.measured, row.reached) for row in goals.goal_rows(runs)}
+    return {row.goal: (row.measured, row.reached) for row in goal_rows(runs)}
 
 
 def test_nothing_measured_is_nothing_reached():
-    rows = goals.goal_rows([])
+    rows = goal_rows([])
     assert len(rows) == 21
     assert {row.reached for row in rows} == {None}
-    assert {row.measured for row in rows} == {goals.NOT_MEASURED}
+    assert {row.measured for row in rows} == {NOT_MEASURED}
 
 
 def test_mass_and_rivals_are_judged_on_the_default():
@@ -63,7 +66,7 @@ def test_a_rivals_ratio_is_split_between_torque_model_and_method():
     """C + V 50 g, the same least squares on our model 10 g, ours 4 g."""
     runs = [case(k, (0.004, 0.008, 0.1, 0.5, 0.05)) for k in range(3)]
     for run in runs:
-        run['methods'][goals.OUR_MODEL] = case(0, (0.01,) * 5)['methods']['lstm']
+        run['methods'][OUR_MODEL] = case(0, (0.01,) * 5)['methods']['lstm']
     scores = content(runs)
     near = judged({'base': scores})
     said, reached = near['best least squares with Coulomb + viscous over ours at 1 s']
@@ -71,7 +74,7 @@ def test_a_rivals_ratio_is_split_between_torque_model_and_method():
     assert near['recursive least squares, nominal model, over ours at 1 s'][0].startswith(
         '25.0 x: torque model 10.0 x, method 2.5 x')
     # It is no baseline of issue 2: those look through their own model.
-    assert goals.OUR_MODEL in scores['scores'] and goals.OUR_MODEL not in rivals_of(
+    assert OUR_MODEL in scores['scores'] and OUR_MODEL not in rivals_of(
         scores['scores'])
 
 
@@ -127,13 +130,13 @@ def test_of_several_runs_the_largest_that_measured_a_goal_counts():
                                       (200, 25))}
     many = {'suite': 'base', **content([case(k, (0.004, 0.1, 0.1, 0.1, 0.1)) for k in range(4)]),
             'network': []}
-    rows = {row.goal: row for row in goals.goal_rows([('base', few), ('base-2000-lstm', many)])}
+    rows = {row.goal: row for row in goal_rows([('base', few), ('base-2000-lstm', many)])}
     mass = rows['mass, 3 s, RMSE']
     assert (mass.measured, mass.runs) == ('4 g', ('base-2000-lstm',))
     share = rows["the network's own share of the error at 1 s, mass"]
     assert (share.measured, share.runs) == ('50 %', ('base',))
     assert rows['soak: memory and time per message'].runs == ()
-    page = to_markdown([goals.goal_table(list(rows.values()))])
+    page = to_markdown([goal_table(list(rows.values()))])
     assert '| <= 10 g | 4 g | yes | [base-2000-lstm](base-2000-lstm/README.md) |' in page
 
 
@@ -229,9 +232,9 @@ def test_changes_and_soak_are_judged():
 
 
 def test_cost_is_judged_beside_what_joint_states_cost():
-    cost = {'cost': {goals.REGRESSOR: {'mean': 1e-5}, 'lstm': {'mean': 2e-4, 'p99': 9e-4}},
+    cost = {'cost': {REGRESSOR: {'mean': 1e-5}, 'lstm': {'mean': 2e-4, 'p99': 9e-4}},
             'joint_state': {'mean': 5e-5}}
-    goal = f'per sample of 20 ms over {goals.REGRESSOR}'
+    goal = f'per sample of 20 ms over {REGRESSOR}'
     # One joint state in ten makes a sample.
     assert judged({'cost': cost})[goal] == (
         'mean 20, p99 90; guard and filter of a joint state 5.0, and with its share of a sample '

@@ -114,8 +114,8 @@ def test_E1_3_a_jordan_network_remembers_its_last_answer_and_nothing_else(robot,
         # Mean in the prior's deviations, then e-folds of those.
         np.testing.assert_allclose((mean[:, -1] - network.centre) / network.scale,
                                    answer[:, :10], atol=1e-4)
-        np.testing.assert_allclose(torch.log(std[:, -1] / network.scale), answer[:, 10:].clamp(max=0.5),
-                                   atol=1e-5)
+        np.testing.assert_allclose(torch.log(std[:, -1] / network.scale),
+                                   answer[:, 10:].clamp(max=0.5), atol=1e-5)
         behind, _, _ = network(x[:, 11:], answer)
         np.testing.assert_allclose(behind[:, -1], network(x)[0][:, -1], atol=1e-6)
         assert (network(x[:, 11:])[0] - behind).abs().max() > 1e-5

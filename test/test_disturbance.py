@@ -6,7 +6,7 @@ from functools import lru_cache
 from core_helpers import block
 import numpy as np
 import pytest
-from test_residual_trace import declared_model, noise_of, recorded
+from residual_helpers import declared_model, noise_of, recorded
 
 from hand_load_estimator.evidence import recording_numbers
 from hand_load_estimator.report.diagnosis_json import diagnosis_content

@@ -13,7 +13,8 @@ from hand_load_estimator import seeds
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning import shards, training_loop
-from hand_load_estimator.learning.artefact import arm_of, CARD, WEIGHTS, read_artefact, write_artefact
+from hand_load_estimator.learning.artefact import (arm_of, CARD, read_artefact, WEIGHTS,
+                                                   write_artefact)
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork

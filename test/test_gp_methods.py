@@ -266,8 +266,8 @@ def test_e2_7_searches_find_the_peak_of_the_same_density(folder, watched, monkey
         made = pipeline(name, folder)
         found = feed(made, stream(LOAD, 5.0, seed=7))[-1]
         assert (np.abs(found.mean - wanted.mean)[:4] < 4.0 * wanted.std[:4]).all(), name
-        # The last search lies up to half a second back: one more sees all there is, and yet another
-        # makes no step any more.
+        # The last search lies up to half a second back: one more sees all there is, and yet
+        # another makes no step any more.
         for _ in range(2):
             made.method._next = 0.0
             made.method.settle()

@@ -3,6 +3,7 @@
 import re
 
 from core_helpers import block, exact_model, four_axes, messages, recording_of
+from effect_helpers import DT, waves
 import numpy as np
 import pytest
 
@@ -24,22 +25,7 @@ from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, Eff
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
          'torque_offset')
-DT = 0.02
 TRUE_SHAPE = {'stribeck_velocity': 0.12, 'presliding_distance': 1.5e-3}
-
-
-def waves(robot, rng, seconds, celsius):
-    """Return a Motion of many sines, filtered as far as identification knows."""
-    t = np.arange(int(seconds / DT)) * DT
-    q, v, a = (np.zeros((len(t), robot.n)) for _ in range(3))
-    for w in 2.0 * np.pi * np.array([0.06, 0.13, 0.21, 0.33, 0.47]):
-        size, phase = rng.uniform(0.1, 0.5, robot.n) * 0.6 / w, rng.uniform(0, 6.3, robot.n)
-        angle = w * t[:, None] + phase
-        q += size * np.sin(angle)
-        v += size * w * np.cos(angle)
-        a -= size * w * w * np.sin(angle)
-    return Motion(t, np.full(len(t), DT), q, v, a, np.zeros_like(q), np.full(q.shape, celsius),
-                  np.full(len(t), 10))
 
 
 class Made:

@@ -51,7 +51,8 @@ def test_missing_temperatures_are_told_with_their_joints():
     fed = Fed()
     assert fed.second({'j0': 30.0, 'j2': 30.0})[0] == OK, 'they may still come'
     level, message, values = fed.second()
-    assert (level, message) == (WARN, 'no temperature of j1, j3: taken as unknown, intervals wider')
+    assert (level, message) == (
+        WARN, 'no temperature of j1, j3: taken as unknown, intervals wider')
     assert values['temperatures known'] == '2 of 4'
     assert fed.second(ALL)[0] == OK
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 from functools import lru_cache
 
 from core_helpers import effect_uses, four_axes, true_parameters
+from effect_helpers import waves
 import numpy as np
 import pytest
-from test_identification import waves
 import yaml
 
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput

@@ -7,8 +7,8 @@ import shutil
 from diagnose_helpers import diagnosed, JOINT, model, refused, rubbed, run, write
 import numpy as np
 import pytest
+from residual_helpers import declared_model, on, recorded, ripple, viscous
 from test_disturbance import pushed
-from test_residual_trace import declared_model, on, recorded, ripple, viscous
 
 from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.recording_mark import content_of, message_digests, RecordingMark

@@ -1,9 +1,9 @@
 """The share of stated variances an estimate of the load suffers from, on data made for it."""
 
 from core_helpers import effect_uses, four_axes, true_parameters
+from effect_helpers import waves
 import numpy as np
 import pytest
-from test_identification import waves
 
 from hand_load_estimator import load_agreement
 from hand_load_estimator.evidence import Evidence

@@ -56,7 +56,8 @@ class Robot:
                                              LATCHED)
         self._residual = node.create_publisher(JointState, f'{prefix}estimator/residual_torque',
                                                OUTPUT)
-        self._known = node.create_publisher(InertiaStamped, f'{prefix}estimator/known_load', LATCHED)
+        self._known = node.create_publisher(InertiaStamped, f'{prefix}estimator/known_load',
+                                            LATCHED)
         node.create_subscription(
             JointTrajectory, f'{prefix}joint_trajectory_controller/joint_trajectory',
             self._take, OUTPUT)
@@ -116,8 +117,8 @@ def arguments(model_file, **parameters):
     """Return the command line: short dwells and other parameters."""
     values = {'model': model_file, 'dwell': 0.3, 'home_dwell': 0.2, 'autostart': 'true',
               **parameters}
-    return ['--ros-args', '--params-file', CONTROLLER_YAML, *(part for name, value in values.items()
-                            for part in ('-p', f'{name}:={value}'))]
+    return ['--ros-args', '--params-file', CONTROLLER_YAML, *(
+        part for name, value in values.items() for part in ('-p', f'{name}:={value}'))]
 
 
 def phases(heard):

@@ -96,7 +96,7 @@ def test_a_long_rest_tells_no_more_than_a_short_one():
 
 
 def told_of_friction(doubt):
-    """Return what a rest sampled every 10 ms tells of friction, over what its bounds tell of it."""
+    """Return what a rest sampled every 10 ms tells of friction, over what its bounds tell."""
     density = stuck_density(np.zeros(1), doubt, np.zeros(1), np.zeros(1), 1.0)
     return np.sum(0.01 / density) / 3.0
 
@@ -135,7 +135,7 @@ def test_a_sliding_joint_tells_all_and_a_held_one_little():
 
 
 def test_a_reversal_within_the_filter_s_memory_belongs_to_no_direction():
-    """A joint that has just turned around: the torque still holds the friction of the way there."""
+    """A joint that just turned around: the torque still holds the friction of the way there."""
     level, sliding = np.array([2.0]), (np.ones(1), np.zeros(1))
     turning = stuck_density(*sliding, np.array([-0.03]), np.array([-2.7]), level)
     assert turning > 2.0 * (0.4 * level) ** 2

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from residual_helpers import declared_model, on, recorded, ripple, viscous
 from test_known_recordings import made_of, on_disk
-from test_residual_trace import declared_model, on, recorded, ripple, viscous
 
 from hand_load_estimator.identification import identify
 from hand_load_estimator.residual.add import better_model
@@ -16,7 +16,7 @@ from hand_load_estimator.residual.candidate import Candidate, Step
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.findings import refuted
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.pictures import picture
 from hand_load_estimator.residual.pictures import travel as travel_since_reversal
 
@@ -115,3 +115,18 @@ def test_a_link_found_changed_may_change_in_a_model_of_the_same_recordings():
     assert (freed[where] > 1.5 * same[where]).any()
     np.testing.assert_allclose(np.delete(freed, np.arange(40)), np.delete(same, np.arange(40)),
                                rtol=0.5)
+
+
+def test_what_makes_its_joint_worse_where_nothing_was_fitted_is_suspected():
+    def found(name, joint, verdict='confirmed', recording=''):
+        explained = np.eye(3)[joint]
+        return Finding(name, (f'j{joint}',), {}, explained, None, (), '', False, verdict,
+                       recording=recording)
+    given = (found('cable_drag', 0), found('backlash', 1), found('backlash', 1, 'suspected'),
+             found('external_contact', 1, recording='run'), found('unknown', 1),
+             found('backlash', 2))
+    kept, told = refuted(given, ('j0', 'j1', 'j2'), np.array([1.0, 1.0, np.nan]),
+                         np.array([0.5, 1.2, np.nan]))
+    assert [f.verdict for f in kept] == ['confirmed', 'suspected', 'suspected', 'confirmed',
+                                         'confirmed', 'confirmed']
+    assert len(told) == 1 and told[0].startswith('j1: backlash') and '1.2 Nm' in told[0]

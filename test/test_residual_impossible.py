@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_residual_trace import declared_model, on, recorded, viscous
+from residual_helpers import declared_model, on, recorded, viscous
 
 from hand_load_estimator.residual.blocks import Score
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
-from hand_load_estimator.residual.hypotheses import Hypothesis, physical
+from hand_load_estimator.residual.hypothesis import Hypothesis, physical
 from hand_load_estimator.residual.impossible import impossible, on_wrong_footing
 
 
@@ -45,8 +45,8 @@ def test_the_report_names_joint_parameter_and_interval():
     findings, told = on_wrong_footing((), joints, wrong, wrong)
     assert findings == () and told == (
         f'{joints[2]}: the model that was diagnosed is impossible at this joint: coefficient of '
-        'viscous_friction -0.52 ± 0.4 Nm s/rad (two standard deviations), and physics allows none '
-        'below zero',)
+        'viscous_friction -0.52 ± 0.4 Nm s/rad (two standard deviations), and physics allows '
+        'none below zero',)
     _, told = on_wrong_footing((), joints, wrong, with_value('viscous_friction', 2, -0.72, 0.15))
     assert len(told) == 2 and told[1].startswith(f'{joints[2]}: the model written is impossible')
 

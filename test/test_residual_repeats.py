@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_residual_trace import cable, declared_model, Hidden, noise_of, on, recorded
+from residual_helpers import cable, declared_model, Hidden, noise_of, on, recorded
 
 from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.motion import Motion

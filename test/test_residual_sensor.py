@@ -5,8 +5,8 @@ from dataclasses import replace
 from core_helpers import four_axes
 import numpy as np
 import pytest
-from test_residual_trace import (clean_runs, declared_model, Hidden, noise_of, on, recorded,
-                                 SECONDS, viscous)
+from residual_helpers import (clean_runs, declared_model, Hidden, noise_of, on, recorded, SECONDS,
+                              viscous)
 
 from hand_load_estimator.benchmark.real_sets import SETS
 from hand_load_estimator.effects import EFFECTS

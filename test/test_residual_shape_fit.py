@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from test_residual_trace import declared_model, Hidden, noise_of, on, play, recorded
+from residual_helpers import declared_model, Hidden, noise_of, on, play, recorded
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.shape_fit import settled
 from hand_load_estimator.residual.shape_std import shape_std
 
@@ -58,7 +58,7 @@ def test_where_nothing_is_to_be_gained_the_shape_stays_or_gains():
 
 
 def test_an_effect_without_the_shapes_it_may_have_stays_as_it_is():
-    # Friction with the load that turns as all friction does: on real arms this ended in a traceback.
+    # Friction with the load, turning as all friction does: on real arms this ended in a traceback.
     model, plain = declared_model(), {'travel': np.inf, 'power': np.inf}
     residual = find_residual(model, recorded(on(1, 5.0, late)))
     start = Hypothesis('load_dependent_friction', 1, {1: residual.x.sign[:, 1:2]}, 1.0, plain)

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_residual_parts import waving
+from test_residual_ripple import waving
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.blocks import Blocks
-from hand_load_estimator.residual.hypotheses import Hypothesis
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.ripple import likely_periods
 from hand_load_estimator.residual.shape_std import _std, shape_std
 

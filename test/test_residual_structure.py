@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_residual_trace import (cable, clean_runs, declared_model, Hidden, noise_of, on, recorded,
-                                 resonance, SECONDS, viscous, warming)
+from residual_helpers import (cable, clean_runs, declared_model, Hidden, noise_of, on, recorded,
+                              resonance, SECONDS, viscous, warming)
 
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.foretelling import Foretelling
-from hand_load_estimator.residual.hypotheses import hats
+from hand_load_estimator.residual.plain_functions import hats
 from hand_load_estimator.residual.structure import followed, ORDER, structures, TEMPERATURE
 
 JOINT, OTHER = 1, 3

@@ -9,6 +9,7 @@ import pytest
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline, shipped_artefact
 from hand_load_estimator.model_file import write_model
+from hand_load_estimator.nodes.controller_settings import model_from_parameters
 from hand_load_estimator.robot import load_robot, robot_from_content
 from hand_load_estimator.same_arm import arm_difference
 from hand_load_estimator.shared_files import find_shared
@@ -71,7 +72,6 @@ def test_a_model_of_another_arm_is_refused_with_both_names(ur10e, tmp_path):
 
 
 def test_the_controller_refuses_a_model_of_another_arm_too(tmp_path, ur10e):
-    from hand_load_estimator.nodes.controller_node import model_from_parameters
     write_model(tmp_path / 'ur10.yaml', replace(exact_model(), robot=another_arm(ur10e, UR10)))
     values = SimpleNamespace(robot='ur10e', model=str(tmp_path / 'ur10.yaml'))
     with pytest.raises(ConfigurationError, match='belongs to another robot.*wrist_3'):

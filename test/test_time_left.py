@@ -6,8 +6,7 @@ from types import SimpleNamespace
 from core_helpers import block
 import numpy as np
 import pytest
-from test_residual_parts import cut
-from test_residual_trace import recorded
+from residual_helpers import cut, recorded
 
 from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.residual.time_left import long_loads, many_rejected, refuse_too_short

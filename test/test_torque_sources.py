@@ -66,7 +66,7 @@ LAG = 0.012   # [s] the arm is behind its commands
 
 
 def commanded(model, seconds=6.0, rate=125.0, velocity=True):
-    """Return what is measured of an arm with 3 kg, and the same with its commands for positions."""
+    """Return what is measured of an arm with 3 kg, and the same with commands for positions."""
     sent = messages(model, block(3.0), seconds, rate=rate)
     stamps, q, v = (np.array([getattr(m, name) for m in sent])
                     for name in ('stamp', 'position', 'velocity'))

@@ -1,4 +1,4 @@
-"""The retraining suite: what becomes of the default's artefact when the torque model gets better."""
+"""The retraining suite: what becomes of the default's artefact under a better torque model."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -127,8 +127,8 @@ def retraining_scores(found):
     and median half-width of the mass's 95 % interval [kg] at every moment; share of all
     intervals, over parameters and moments, that hold the truth.
     """
-    return {'cases': [{**{key: r[key] for key in ('effect', 'plant', 'joints', 'found', 'seconds')},
-                       'runs': len(r['loads']),
+    kept = ('effect', 'plant', 'joints', 'found', 'seconds')
+    return {'cases': [{**{key: r[key] for key in kept}, 'runs': len(r['loads']),
                        'choices': {choice: _figures(np.array(r['loads']), np.array(rows))
                                    for choice, rows in r['rows'].items()}}
                       for r in found.values()]}
@@ -139,7 +139,8 @@ def _figures(loads, rows):
     heavy = loads[:, 0] >= LEAST_MASS_FOR_COM
     com = np.linalg.norm(error[heavy][:, :, 1:4], axis=2)
     inside = np.abs(error) <= NORMAL_95 * std
+    half_width = NORMAL_95 * np.median(std[..., 0], axis=0)
     return {'mass': dict(zip(MOMENTS, np.sqrt(np.mean(error[:, :, 0] ** 2, axis=0)).tolist())),
             'com': dict(zip(MOMENTS, np.median(com, axis=0).tolist())),
-            'half_width': dict(zip(MOMENTS, (NORMAL_95 * np.median(std[..., 0], axis=0)).tolist())),
+            'half_width': dict(zip(MOMENTS, half_width.tolist())),
             'coverage': float(inside.mean())}

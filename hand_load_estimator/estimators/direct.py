@@ -1,10 +1,10 @@
 """
 Methods that go from motion and torque difference to the load by a network alone.
 
-`lstm_direct`, `gru`, `elman`, `jordan` (E1.3), `feedforward` (E1.4), `two_network` (E1.6), `dropout` (E6.2);
-the artefact says which, and which joints and parameters (E1.5). A method `bayes` runs beside it
-for what a network cannot tell: load changes, which restart the network, contacts, whose samples
-it does not see, mismatch and tare.
+`lstm_direct`, `gru`, `elman`, `jordan` (E1.3), `feedforward` (E1.4), `two_network` (E1.6),
+`dropout` (E6.2); the artefact says which, and which joints and parameters (E1.5). A method
+`bayes` runs beside it for what a network cannot tell: load changes, which restart the network,
+contacts, whose samples it does not see, mismatch and tare.
 """
 
 import numpy as np

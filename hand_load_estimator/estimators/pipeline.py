@@ -241,7 +241,7 @@ class Pipeline:
         return '' if self._began else f'; {self._restored}, no motion since'
 
     def _determined(self, belief):
-        """Return (10,) bool: what is known as well as users asked for, by motion and not by rest."""
+        """Return (10,) bool: what is known as well as users asked, by motion and not by rest."""
         seen = self._began or bool(self._restored)
         return seen & (np.sqrt(belief.covariance.diagonal()) < self._thresholds)
 

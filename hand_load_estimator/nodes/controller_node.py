@@ -2,7 +2,6 @@
 
 import sys
 from collections import Counter
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,22 +14,18 @@ from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from ..control.acceleration_limits import PlanSettings
-from ..control.collision_threshold import ThresholdSettings
-from ..control.fallback import FallbackSettings, usable_estimate
-from ..control.supervisor import CycleSettings, Supervisor
-from ..errors import ConfigurationError
+from ..control.fallback import usable_estimate
+from ..control.supervisor import Supervisor
 from ..input_guard import InputGuard
 from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from ..load import products_from_message
-from ..model_of_robot import model_of_robot
-from ..robot import load_robot
 from ..simulated_model import told_of_simulated
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
 from .controller_report import (report_collision, report_load, report_motion,
                                 report_torque_model)
+from .controller_settings import model_from_parameters, settings_from_parameters
 from .diagnostics import Diagnostics
 from .draining import subscribe_draining
 from .estimate_messages import KNOWN_MASSES, vector_of_inertia
@@ -45,33 +40,6 @@ from .temperature_input import subscribe_dynamic_joint_states
 
 _LAST_WORDS = 0.5  # [s] at most, for the last trajectory to be received
 _RESTING = 5  # thresholds at rest are published every this many cycles
-
-
-def model_from_parameters(values):
-    """Return the TorqueModel the parameters ask for; raises ConfigurationError."""
-    path, model_file = robot_and_model(values)
-    robot = load_robot(path)
-    # The limits that hold are today's robot file's, not those of the day of identification.
-    return replace(model_of_robot(model_file, robot), robot=robot)
-
-
-def settings_from_parameters(values, robot):
-    """Return the CycleSettings; raises ConfigurationError for waypoints the arm cannot take."""
-    waypoints = {name: np.array(getattr(values, name)) for name in ('home', 'pick', 'place')}
-    for name, q in waypoints.items():
-        if len(q) != robot.n:
-            raise ConfigurationError(f'parameter {name}', 'does not fit the robot', q.tolist(),
-                                     f'{robot.n} joint positions, of {", ".join(robot.joints)}')
-        if np.any(q < robot.limits.lower) or np.any(q > robot.limits.upper):
-            raise ConfigurationError(f'parameter {name}', 'is outside the joint limits',
-                                     q.tolist(), f'{robot.limits.lower.tolist()} to '
-                                     f'{robot.limits.upper.tolist()} rad')
-    return CycleSettings(
-        waypoints, values.cycles, values.dwell, values.home_dwell,
-        PlanSettings(values.sigma, values.acceleration_rise_time, values.speed_scale),
-        FallbackSettings(values.estimate_timeout, values.relax_time),
-        ThresholdSettings(margin=values.collision_margin, sigma=values.sigma,
-                          debounce=values.collision_debounce))
 
 
 class ControllerNode(Node):
@@ -285,7 +253,7 @@ class ControllerNode(Node):
 
 
 def _known_mass(values):
-    """Return the mass [kg] that a status tells of beside the estimate, NaN where it is no number."""
+    """Return the mass [kg] that a status tells of beside the estimate, NaN if it is no number."""
     try:
         return sum(float(values.get(key, 0.0)) for key in KNOWN_MASSES)
     except ValueError:

@@ -2,15 +2,15 @@
 
 from .parameters import Parameter
 
-_WAYPOINTS = ('give waypoints of your arm and cell; --params-file config/controller.yaml has those of the '
-              'shipped UR10e')
+_WAYPOINTS = ('give waypoints of your arm and cell; --params-file config/controller.yaml has '
+              'those of the shipped UR10e')
 
 CONTROLLER_PARAMETERS = (
     Parameter('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
     Parameter('model', '', 'torque model file: a path or the short name of a shipped one; empty: '
               'the shipped model named like the robot'),
-    Parameter('autostart', False, 'begin the cycle without a call of ~/start: the arm moves as soon '
-              'as joint states come'),
+    Parameter('autostart', False, 'begin the cycle without a call of ~/start: the arm moves as '
+              'soon as joint states come'),
     Parameter('cycles', 1, 'pick-and-place cycles to run; 0: until stopped', low=0, high=10**6),
     Parameter('home', (0.0,), 'joint positions between cycles', 'rad', low=-20.0, high=20.0,
               todo=_WAYPOINTS),

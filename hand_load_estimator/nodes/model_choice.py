@@ -14,4 +14,5 @@ def robot_and_model(values):
     except ConfigurationError:
         raise ConfigurationError(
             'parameter model', f'none is shipped for robot {robot.stem}',
-            todo='give model:=FILE, which `hand_load identify` makes from its recordings') from None
+            todo='give model:=FILE, which `hand_load identify` makes from its recordings'
+        ) from None

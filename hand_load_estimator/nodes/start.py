@@ -16,8 +16,8 @@ def _run(name, args):
     try:
         main = import_module(f'.{name}_node', __package__).main
     except ModuleNotFoundError as error:
-        print(f'error: {name}_node needs {error.name}, which is not installed; source a ROS 2 Jazzy '
-              'or pip install -r requirements.txt', file=sys.stderr)
+        print(f'error: {name}_node needs {error.name}, which is not installed; source a ROS 2 '
+              'Jazzy or pip install -r requirements.txt', file=sys.stderr)
         return 2
     return 0 if stop else main(args)
 

@@ -14,12 +14,12 @@ STRANGE = 0.5          # share of a torque's variance that a model of this arm l
 PUSHED = 0.1           # share of the time in which something may act on the arm from outside
 # A joint carries load where the model's torque varies by so many times its noise.
 LOADED = 5.0
-# Published torque constants of one arm differ by 13 %, those of arms of a family and others by more
-# than half. One joint's may be wrong by anything.
+# Published torque constants of one arm differ by 13 %, those of arms of a family and others by
+# more than half. One joint's may be wrong by anything.
 GAIN, FEWEST = 1.5, 2
 SLIDES = 0.01          # [rad/s] from which on friction has the sign of the velocity
-# What is said to be wrong must explain this share of what the model leaves; a load, more of it than
-# gains do.
+# What is said to be wrong must explain this share of what the model leaves; a load, more of it
+# than gains do.
 EXPLAINED = 0.7
 
 
@@ -86,7 +86,8 @@ class _Rows:
         loaded = self._without_friction(links).std(axis=0) > LOADED * self._model.noise
         measured, modelled = self._moved
         gains = self._gains
-        before, after = (np.sum((measured - gain * modelled) ** 2, axis=0) for gain in (1.0, gains))
+        before, after = (np.sum((measured - gain * modelled) ** 2, axis=0)
+                         for gain in (1.0, gains))
         off = loaded & ((gains > GAIN) | (gains < 1.0 / GAIN)) & (
             after < (1.0 - EXPLAINED) * before)
         if off.sum() < FEWEST or 2 * off.sum() <= loaded.sum():

@@ -101,8 +101,8 @@ def _found(models, residual, traced, outside, errors):
     """
     Return Findings with the verdicts that hold, and sentences on why some do not.
 
-    models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names and Residual of
-    whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test.
+    models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names and Residual
+    of whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test.
     """
     (model, better), (trace, rest), joints = models, traced, models[0].robot.joints
     left = unexplained_joints(residual, rest)

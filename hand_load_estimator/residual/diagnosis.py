@@ -164,8 +164,8 @@ class Diagnosis:
     for fitting or choosing what was found; noise_floor, noise_most [Nm]: what of `after` is noise
     at least, if it is white, and at most (rest.py); NaN where not known;
     findings: in the order they were found; unexplained (n,): share of the residual variance that
-    is surely structure, which no effect explains; cannot_tell: sentences `cannot tell X because Y`;
-    load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
+    is surely structure, which no effect explains; cannot_tell: sentences `cannot tell X because
+    Y`; load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
     it; fine_tuning: what became of the learned artefact, None where it was left as it is;
     structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model

@@ -78,7 +78,7 @@ class Residual:
         return self._paths[distance, power]
 
     def follow_friction(self, ways):
-        """Follow the friction state for (travel [rad], power) pairs at once, unless it is known."""
+        """Follow the friction state for (travel [rad], power) pairs at once, unless known."""
         ways = [way for way in ways if way not in self._paths]
         n, count = self.residual.shape[1], len(ways)
         if not count:

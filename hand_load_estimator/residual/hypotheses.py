@@ -1,6 +1,6 @@
 """The hypotheses of one round: every effect on every joint, and plain functions."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -11,7 +11,8 @@ from ..effects.own_travel import OWN_TRAVEL
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
-from .impossible import SURE
+from .hypothesis import Hypothesis, searched
+from .plain_functions import functions, VARIABLES
 from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
@@ -20,41 +21,10 @@ PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13,
 PRESLIDING_POWERS, LEAST_POWER = (np.inf, 2.0), 1.0
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
-# A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
-WHOLE, DOUBTFUL = 0.35, 0.5
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
-KNOTS = 32
-# Knots are so far apart, as a share of all that they cover.
-LEAST_APART = 1e-6
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
 ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
-# What an unknown effect may be a function of; torque through the gear includes the load's.
-VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque': 'gear'}
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """
-    One possible cause: name, joint index (None: the same on several), columns {joint: (N, k)} in
-    units of the prior's std.
-
-    scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
-    `unknown`, what it is a function of; trials: how many shapes were looked at to come to it.
-    """
-
-    name: str
-    joint: int | None
-    columns: dict
-    scale: np.ndarray
-    shape: dict = field(default_factory=dict)
-    variable: str = ''
-    trials: int = 1
-
-    @property
-    def key(self):
-        """What makes it a cause of its own, whatever its shape."""
-        return self.name, self.joint, self.variable
 
 
 def hypotheses(model, residual, blocks, warmed, done=()):
@@ -187,23 +157,6 @@ def _turning(residual, j, distance, power):
     return (residual.friction_state(distance, power)[:, j] - residual.x.z[:, j])[:, None]
 
 
-def refinable(hypothesis):
-    """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
-    return 'periods' not in hypothesis.shape and bool(searched(hypothesis))
-
-
-def searched(hypothesis):
-    """Return the nonlinear parameters {name: value} that are there; infinite ones are not."""
-    return {name: value for name, value in hypothesis.shape.items() if np.isfinite(value)}
-
-
-def price(hypothesis, other):
-    """Return the nats that a Hypothesis must gain beyond another of its key, of plainer shape."""
-    return sum(shape.gain for shape in EFFECTS[hypothesis.name].shapes
-               if other.shape[shape.name] == shape.default != hypothesis.shape[shape.name]
-               ) if hypothesis.shape else 0.0
-
-
 def reshaped(hypothesis, factors, model, residual):
     """
     Return Hypotheses with each of the nonlinear parameters multiplied by a factor.
@@ -234,12 +187,6 @@ def _of_shapes(hypothesis, shapes, model, residual):
         columns = _columns(model, EFFECTS[hypothesis.name], residual.x, j, shapes)
     return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)
             for own, shape in zip(columns, shapes)]
-
-
-def turns(hypothesis):
-    """Tell whether a shape of a Hypothesis says how friction turns after a reversal."""
-    return hypothesis.name == 'presliding_hysteresis' or (
-        hypothesis.name in EFFECTS and OWN_TRAVEL in EFFECTS[hypothesis.name].shapes)
 
 
 def other_ways(hypothesis, model, residual):
@@ -281,50 +228,6 @@ def turned(hypothesis, score, model, residual):
     columns = now + ((now - residual.x.tilt) @ before)[..., None] * turn / (turn @ turn)
     return replace(hypothesis, columns={j: columns[:, j] * hypothesis.scale
                                         for j in hypothesis.columns})
-
-
-def functions(residual, torque, j):
-    """Yield hypotheses `unknown`: any smooth function of one variable."""
-    for variable, name in VARIABLES.items():
-        values = getattr(residual.x, name)[:, j]
-        columns = hats(values, KNOTS)
-        if columns.shape[1] < 4:
-            continue
-        scale = np.full(columns.shape[1], 0.1 * torque[j])
-        yield Hypothesis(UNKNOWN, j, {j: columns * scale}, scale, {}, variable)
-
-
-def hats(values, knots):
-    """Return (N, <= knots) piecewise linear functions over the quantiles of values (N,)."""
-    places = np.unique(np.quantile(values, np.linspace(0.01, 0.99, knots)))
-    # What a filter forgets comes to rest at 1e-300: no function has a slope for that.
-    places = places[np.diff(places, prepend=-np.inf) > LEAST_APART * np.ptp(places)]
-    if len(places) < 4:
-        return np.zeros((len(values), 0))
-    return np.stack([np.interp(values, places, row) for row in np.eye(len(places))], axis=1)
-
-
-def physical(hypothesis, score, declared):
-    """
-    Tell whether the fitted parameters are what the effect's physics allows.
-
-    declared: mean and std (k,) of the model's parameters where it has the effect already, so that
-    only their change was fitted, or None.
-    """
-    if hypothesis.name not in EFFECTS:
-        return True
-    theta, std = score.theta, np.sqrt(np.diag(score.covariance))
-    if declared is not None:
-        total, doubt = (theta + declared[0] / hypothesis.scale,
-                        np.hypot(std, declared[1] / hypothesis.scale))
-        # With another shape it is no change of what was there.
-        return bool(hypothesis.shape) or not any(
-            total[k] < -SURE * doubt[k] for k in EFFECTS[hypothesis.name].positive)
-    positive = all(theta[k] > SURE * std[k] for k in EFFECTS[hypothesis.name].positive)
-    if hypothesis.name == 'time_delay':
-        share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
-        return abs(share - 1.0) < np.clip(3.0 * doubt, WHOLE, DOUBTFUL)
-    return positive
 
 
 def with_effect(model, hypothesis):

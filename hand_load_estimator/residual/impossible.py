@@ -29,8 +29,8 @@ class Impossible:
     def said(self, joints, model):
         """Return the sentence; joints: names, model: which one is meant."""
         return (f'{joints[self.joint]}: {model} is impossible at this joint: {self.parameter} of '
-                f'{self.effect} {self.mean:.3g} ± {SURE * self.std:.2g} {self.unit} (two standard '
-                'deviations), and physics allows none below zero')
+                f'{self.effect} {self.mean:.3g} ± {SURE * self.std:.2g} {self.unit} (two '
+                'standard deviations), and physics allows none below zero')
 
 
 def impossible(model):

@@ -19,7 +19,8 @@ def known_by_name_only(model, evidence):
     It counts as another one: taken for the model's own, an error that the model has on it would
     pass for what the model was made with.
     """
-    named, known = {m.name for m in model.recordings if not m.content}, known_names(model, evidence)
+    named = {m.name for m in model.recordings if not m.content}
+    known = known_names(model, evidence)
     return [f'cannot tell whether the model was identified from {e.name} because its file keeps '
             'only the name of such a recording (files from before have no content of theirs); it '
             'counts as another recording' for e in evidence

@@ -50,8 +50,8 @@ def still_joints(model, evidence):
     """
     moves = np.any([(np.abs(e.motion.v).max(axis=0) >= STILL)
                     & (np.ptp(e.motion.q, axis=0) >= POSE) for e in evidence], axis=0)
-    return {int(j): f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because it '
-            'never moves in what is diagnosed' for j in np.flatnonzero(~moves)}
+    return {int(j): f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because '
+            'it never moves in what is diagnosed' for j in np.flatnonzero(~moves)}
 
 
 def saturated_rows(model, evidence):

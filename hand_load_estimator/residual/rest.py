@@ -2,10 +2,10 @@
 What is left of a residual: noise, or structure? Told by what it remembers.
 
 White noise behind the motion filter is forgotten within a tenth of a second, and so is the noise
-of the measured acceleration, which is quicker. What still resembles itself later is structure. That
-is the least of it: structure may be as quick as noise. The most of it is what is left beside white
-noise as large as rows differ from one to the next; noise that was smoothed on its way, before the
-filter, counts in there.
+of the measured acceleration, which is quicker. What still resembles itself later is structure.
+That is the least of it: structure may be as quick as noise. The most of it is what is left beside
+white noise as large as rows differ from one to the next; noise that was smoothed on its way,
+before the filter, counts in there.
 """
 
 from dataclasses import dataclass

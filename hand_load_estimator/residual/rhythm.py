@@ -106,7 +106,8 @@ def _around(power, k):
     """
     Return the bins (M,) within an octave of k, a power law and the same with a peak (M, joints).
 
-    The law goes through what lies on either side of bins k - HALF to k + HALF of power (K, joints).
+    The law goes through what lies on either side of bins k - HALF to k + HALF
+    of power (K, joints).
     """
     bins = np.arange(k // 2, min(2 * k, len(power) - 1) + 1)
     places, levels = np.log(bins / k)[:, None], np.log(power[bins])

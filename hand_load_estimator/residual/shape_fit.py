@@ -8,7 +8,8 @@ of them, and its own parameters beside them, are off at once.
 
 import numpy as np
 
-from .hypotheses import reshaped, searched
+from .hypotheses import reshaped
+from .hypothesis import searched
 
 TURNS = 8
 # [-] in the logarithm, of the differences that tell what a shape does: far from the best a narrow

@@ -4,7 +4,8 @@ from itertools import combinations
 
 import numpy as np
 
-from .hypotheses import reshaped, searched
+from .hypotheses import reshaped
+from .hypothesis import searched
 
 # A step in the logarithm of a shape is to cost NEAR to FAR nats, best GOOD of them: few enough
 # for a parabola, many enough to be no accident. It begins with FIRST, is changed by no more than

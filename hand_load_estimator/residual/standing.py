@@ -101,8 +101,8 @@ class Standing:
             cause = torques
             theta, covariance, left = self._fit(torques.kind, mean, first, stop)
         # What friction may hold needs no explanation.
-        explained = np.where(np.abs(mean) > self._hold, np.clip(1.0 - (left / mean) ** 2, 0.0, 1.0),
-                             0.0)
+        explained = np.where(np.abs(mean) > self._hold,
+                             np.clip(1.0 - (left / mean) ** 2, 0.0, 1.0), 0.0)
         unknown = np.nan
         return Disturbance(cause, k, first, stop, theta, covariance, self._time(k, first),
                            self._time(k, stop), unknown, unknown, 1, None, None, explained)

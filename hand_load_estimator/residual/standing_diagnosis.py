@@ -43,5 +43,6 @@ def _elsewhere(names, found):
     """Return a sentence on each contact that a force on the hand does not explain."""
     return [f'cannot tell where on the arm the push {one.start[0]:.1f} s after the start of '
             f'{names[one.owner]} was because a force on the hand explains less than '
-            f'{100 * EXPLAINED:.0f} % of the torques, and friction at rest may hide what would tell'
+            f'{100 * EXPLAINED:.0f} % of the torques, and friction at rest may hide what would '
+            'tell'
             for one in found if one.start and one.cause.kind.name == ELSEWHERE]

@@ -5,7 +5,7 @@ import numpy as np
 from .diagnosis import Structure
 from .find import find_residual
 from .foretelling import Foretelling
-from .hypotheses import VARIABLES, hats
+from .plain_functions import hats, VARIABLES
 from .rest import rest_of
 
 CONSTANT, DIRECTION, TEMPERATURE, TIME = 'constant', 'direction', 'temperature', 'time'

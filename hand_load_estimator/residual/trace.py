@@ -15,8 +15,8 @@ import numpy as np
 from .blocks import Blocks
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import (hypotheses, ONE_CAUSE, other_ways, physical, price, refinable, reshaped,
-                         searched, turned, turns)
+from .hypotheses import hypotheses, ONE_CAUSE, other_ways, reshaped, turned
+from .hypothesis import physical, price, refinable, searched, turns
 from .shape_fit import settled
 
 ROUNDS = 10

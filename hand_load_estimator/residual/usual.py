@@ -3,7 +3,8 @@
 import numpy as np
 
 from ..identification import prior
-from .hypotheses import EFFECT_FACTOR, hats
+from .hypotheses import EFFECT_FACTOR
+from .plain_functions import hats
 
 KNOTS = 16
 # What plain functions and a recording's own friction may do, in units of the joint's torque limit.

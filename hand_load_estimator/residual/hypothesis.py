@@ -1,0 +1,82 @@
+"""A hypothesis: one possible cause of the residual, and what may be asked of it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..effects import EFFECTS
+from ..effects.own_travel import OWN_TRAVEL
+from .impossible import SURE
+
+# A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
+WHOLE, DOUBTFUL = 0.35, 0.5
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """
+    One possible cause: name, joint index (None: the same on several), columns {joint: (N, k)} in
+    units of the prior's std.
+
+    scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
+    `unknown`, what it is a function of; trials: how many shapes were looked at to come to it.
+    """
+
+    name: str
+    joint: int | None
+    columns: dict
+    scale: np.ndarray
+    shape: dict = field(default_factory=dict)
+    variable: str = ''
+    trials: int = 1
+
+    @property
+    def key(self):
+        """What makes it a cause of its own, whatever its shape."""
+        return self.name, self.joint, self.variable
+
+
+def searched(hypothesis):
+    """Return the nonlinear parameters {name: value} that are there; infinite ones are not."""
+    return {name: value for name, value in hypothesis.shape.items() if np.isfinite(value)}
+
+
+def refinable(hypothesis):
+    """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
+    return 'periods' not in hypothesis.shape and bool(searched(hypothesis))
+
+
+def turns(hypothesis):
+    """Tell whether a shape of a Hypothesis says how friction turns after a reversal."""
+    return hypothesis.name == 'presliding_hysteresis' or (
+        hypothesis.name in EFFECTS and OWN_TRAVEL in EFFECTS[hypothesis.name].shapes)
+
+
+def price(hypothesis, other):
+    """Return the nats that a Hypothesis must gain beyond another of its key, of plainer shape."""
+    return sum(shape.gain for shape in EFFECTS[hypothesis.name].shapes
+               if other.shape[shape.name] == shape.default != hypothesis.shape[shape.name]
+               ) if hypothesis.shape else 0.0
+
+
+def physical(hypothesis, score, declared):
+    """
+    Tell whether the fitted parameters are what the effect's physics allows.
+
+    declared: mean and std (k,) of the model's parameters where it has the effect already, so that
+    only their change was fitted, or None.
+    """
+    if hypothesis.name not in EFFECTS:
+        return True
+    theta, std = score.theta, np.sqrt(np.diag(score.covariance))
+    if declared is not None:
+        total, doubt = (theta + declared[0] / hypothesis.scale,
+                        np.hypot(std, declared[1] / hypothesis.scale))
+        # With another shape it is no change of what was there.
+        return bool(hypothesis.shape) or not any(
+            total[k] < -SURE * doubt[k] for k in EFFECTS[hypothesis.name].positive)
+    positive = all(theta[k] > SURE * std[k] for k in EFFECTS[hypothesis.name].positive)
+    if hypothesis.name == 'time_delay':
+        share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
+        return abs(share - 1.0) < np.clip(3.0 * doubt, WHOLE, DOUBTFUL)
+    return positive

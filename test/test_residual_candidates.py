@@ -1,0 +1,65 @@
+"""Candidates: which gain is sure, and which rivals cannot be told from the best."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
+from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.residual.trace import Trace
+
+
+@pytest.mark.parametrize('gains, sure', [
+    ([50.0] * 4, True), ([50.0] * 3, False), ([20.0] * 4, False),
+    ([200.0] * 6 + [-20.0] * 3, False), ([20.0, 200.0] * 4 + [-5.0], True),
+    ([400.0] * 3 + [-2.0], True), ([400.0] * 2, False), ([4000.0, 30.0, 30.0], False)])
+def test_what_gains_wherever_it_acts_is_sure(gains, sure):
+    """Rare but steady: crossings of a gap in a few of 60 blocks; chance loses as often."""
+    by_block = np.zeros(60)
+    by_block[:len(gains)] = gains
+    std = float(np.sqrt(60) * by_block.std())
+    assert significant(Candidate('backlash', (), float(by_block.sum()), 10.0 * std,
+                                 by_block)) is sure
+
+
+def candidate(name, gain, spread=0.0):
+    """Return a Candidate of joint 0: nats of gain in ten blocks, by turns so much more or less."""
+    hypothesis = Hypothesis(name, 0, {0: np.ones((4, 1))}, np.ones(1))
+    by_block = gain / 10.0 + spread * np.array([1.0, -1.0] * 5)
+    return Candidate(name, ((hypothesis, None),), gain, standard_error(by_block), by_block)
+
+
+@pytest.mark.parametrize('gain, rival', [(5.0, 'viscous_friction'), (-5.0, None)])
+def test_what_gains_nothing_is_no_rival(gain, rival):
+    best, other = candidate('rotor_inertia', 900.0), candidate('viscous_friction', gain)
+    step = Trace._step(None, best, [best, other], 30.0)
+    assert step.chosen is best and step.alternatives == ()
+    assert (step.next_best and step.next_best.name) == rival
+
+
+@pytest.mark.parametrize('other', ['cable_drag', 'rotor_inertia'])
+@pytest.mark.parametrize('gain, spread, told', [
+    (1900.0, 5.0, True), (1900.0, 20.0, False), (840.0, 20.0, True), (1990.0, 0.0, True)])
+def test_an_alternative_is_what_blocks_cannot_tell(other, gain, spread, told):
+    """What falls behind in every block is told, however little; not of a pair of the design."""
+    best = candidate('gravity_spring', 2000.0)
+    rival = candidate(other, gain, spread)
+    step = Trace._step(None, best, [best, rival], 30.0)
+    told = told and not (other == 'cable_drag' and gain == 1990.0)
+    assert step.chosen is best and step.alternatives == (() if told else (rival,))
+
+
+def test_of_pairs_of_the_design_only_those_of_one_joint_are_named_together():
+    best, rival = candidate('gravity_spring', 2000.0), candidate('link_inertia', 1990.0)
+    elsewhere = Candidate(rival.name, tuple((replace(h, joint=1), s) for h, s in rival.parts),
+                          rival.gain, rival.std, rival.by_block)
+    step = Trace._step(None, best, [best, rival, elsewhere], 30.0)
+    assert step.alternatives == (rival,)
+
+
+def test_what_gains_no_more_than_chance_is_no_alternative():
+    best, rival = candidate('gravity_spring', 200.0, -12.0), candidate('cable_drag', 130.0, 12.0)
+    weak = candidate('torque_offset', 60.0, 40.0)
+    step = Trace._step(None, best, [best, rival, weak], 30.0)
+    assert step.alternatives == (rival,)

@@ -1,0 +1,54 @@
+"""Effects that look alike: known pairs, the motion that tells them apart, and where none does."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from plant_helpers import ur10e
+import pytest
+
+from hand_load_estimator.residual.candidate import Candidate
+from hand_load_estimator.residual.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION, PAIRS,
+                                                     partners, same_torque)
+from hand_load_estimator.residual.findings import separating_motion
+from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.robot import robot_from_content
+
+
+def test_pairs_of_the_design_are_known_with_a_motion():
+    for pair in (('gravity_spring', 'link_inertia'), ('gravity_spring', 'cable_drag'),
+                 ('presliding_hysteresis', 'stribeck_friction'),
+                 ('temperature_dependent_coulomb_friction',
+                  'temperature_dependent_viscous_friction'), ('base_tilt', 'link_inertia')):
+        assert pair[1] in partners(pair[0]) and pair[0] in partners(pair[1])
+        assert len(advice(pair[0], [pair[1]])) > 20
+        assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
+    assert all(len(pair) == 2 for pair in PAIRS)
+
+
+def test_advice_says_so_where_no_motion_is_known():
+    assert advice('torque_ripple', []) == ''
+    assert advice('coulomb_friction', ['base_tilt']) == f'{NO_KNOWN_MOTION} base_tilt'
+    both = advice('cable_drag', ['gravity_spring', 'backlash'])
+    assert both.startswith('move the joint over a whole turn') and both.endswith(' backlash')
+    assert 'in several poses' in advice('cable_drag', ['base_tilt'])
+    # Its own name on other joints is no effect to be told from.
+    assert advice('cable_drag', ['cable_drag']) == ''
+
+
+def test_effects_of_the_same_torque_are_told():
+    rotor, other = np.random.default_rng(3).normal(size=(2, 100, 1))
+    assert same_torque(rotor, rotor * [0.0, 2.0, -3.0])
+    assert not same_torque(rotor, np.hstack([rotor, 1e-3 * other]))
+
+
+@pytest.mark.parametrize('gravity, same', [([0.0, 0.0, -9.81], True), ([0.5, 0.0, -9.8], False)])
+def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(gravity, same):
+    robot, rng = robot_from_content({**ur10e().file.content, 'gravity': gravity}, 'arm'), \
+        np.random.default_rng(4)
+    motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
+    links = np.array([robot.link_regressor(*qva) for qva in motions])
+    acceleration = np.array([[a[0]] for _, _, a in motions])
+    residual = SimpleNamespace(columns=links)
+    rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
+    chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
+    assert separating_motion(residual, chosen, ['link_inertia']).startswith(NO_MOTION) == same

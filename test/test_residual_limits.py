@@ -1,0 +1,118 @@
+"""Limits: what is refused, and what recordings cannot tell is said."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from core_helpers import four_axes
+import numpy as np
+import pytest
+from residual_helpers import cable, cut, declared_model, on, recorded, viscous
+
+from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
+                                                 too_little_gained, warmed_joints)
+
+
+def moving(evidence, joint=None, **changes):
+    """Return Evidence with arrays of its Motion replaced, at one joint or at all."""
+    new = {}
+    for name, value in changes.items():
+        array = getattr(evidence.motion, name).copy()
+        array[:, slice(None) if joint is None else joint] = value
+        new[name] = array
+    return replace(evidence, motion=replace(evidence.motion, **new))
+
+
+def test_what_nearly_gains_enough_is_told_where_structure_is_left():
+    robot = four_axes()
+    nearly = [SimpleNamespace(name=name, joints=[j], gain=gain) for name, j, gain in (
+        ('gravity_spring', 1, 21.0), ('cable_drag', 1, 20.0), ('backlash', 2, 15.0),
+        ('time_delay', 3, 30.0))]
+    (said,) = too_little_gained(robot, nearly, 32.0, (0, 1, 2))
+    assert said == (f'cannot tell whether {robot.joints[1]} has gravity_spring because its gain '
+                    'of 21 nats is less than the 32 needed; record more motion')
+    assert not too_little_gained(robot, nearly, 32.0, ())
+
+
+def test_too_short_and_resting_recordings_are_refused():
+    model, (first, *_) = declared_model(), recorded()
+    refuse_the_useless(model, [first])
+    with pytest.raises(RecordingError, match=r'run 0.*2\.0 s.*4\.8 s'):
+        refuse_the_useless(model, [cut(first, slice(100))])
+    with pytest.raises(RecordingError, match='no joint moves'):
+        refuse_the_useless(model, [moving(first, v=1e-3)])
+
+
+def test_torque_of_another_arm_is_refused():
+    """Among good recordings too; friction and payload of its own do not make another arm."""
+    model, runs = declared_model(), recorded()
+    refuse_the_useless(model, runs)
+    refuse_the_useless(model, recorded(on(1, 8.0, viscous), on(2, 8.0, cable)))
+    with pytest.raises(RecordingError, match='run 3.*explains less than half'):
+        refuse_the_useless(model, [*runs[:3], replace(runs[3], torque=-runs[3].torque)])
+
+
+def test_neither_a_hard_push_nor_a_short_part_makes_another_arm():
+    """A push of many times the arm's own torque; a part in which friction holds nearly all."""
+    model, (run, *_) = declared_model(), recorded()
+    rows = np.arange(len(run.torque)) < 0.06 * len(run.torque)
+    pushed = run.torque + 20.0 * rows[:, None] * run.torque.std(axis=0)
+    refuse_the_useless(model, [replace(run, torque=pushed)])
+    start, rest = cut(replace(run, torque=-run.torque), rows), cut(run, ~rows)
+    refuse_the_useless(model, [start, rest])
+    with pytest.raises(RecordingError, match='explains less than half'):
+        refuse_the_useless(model, [replace(start, name='alone'), rest])
+
+
+@pytest.mark.parametrize('celsius, warmed, words', [
+    ((15.0, 35.0), (0, 1, 2, 3), None), ((25.0, 25.0), (), 'only 0.0 K'),
+    ((25.0, 27.9), (), 'only 2.9 K'), ((np.nan, np.nan), (), 'none was recorded')])
+def test_temperatures_tell_when_they_change(celsius, warmed, words):
+    model = declared_model()
+    evidence = [moving(e, temperature=celsius[k % 2]) for k, e in enumerate(recorded())]
+    found, sentences = warmed_joints(model, evidence)
+    assert tuple(found) == warmed
+    assert [words in s and s.startswith('cannot tell') for s in sentences] \
+        == ([True] if words else [])
+
+
+def test_a_joint_that_does_not_warm_is_named():
+    model = declared_model()
+    evidence = [moving(e, 1, temperature=25.0) for e in recorded()]
+    found, sentences = warmed_joints(model, evidence)
+    assert tuple(found) == (0, 2, 3)
+    assert len(sentences) == 1 and model.robot.joints[1] in sentences[0]
+
+
+def test_a_joint_that_never_moves_is_named():
+    model = declared_model()
+    evidence = [moving(e, 2, v=0.0) for e in recorded()]
+    assert list(still_joints(model, evidence)) == [2]
+    assert 'j2' in still_joints(model, evidence)[2]
+    assert not still_joints(model, [*evidence, recorded()[0]])
+
+
+def efforts(torque, evidence):
+    return replace(evidence, motion=replace(evidence.motion, effort=torque), torque=torque)
+
+
+def test_rows_at_the_drives_limit_are_found():
+    model, evidence = declared_model(), recorded()[0]
+    rows, sentences = saturated_rows(model, [efforts(evidence.torque, evidence)])
+    assert not rows.any() and not sentences
+    limit = np.quantile(np.abs(evidence.torque[:, 1]), 0.8)
+    clipped = evidence.torque.copy()
+    clipped[:, 1] = np.clip(clipped[:, 1], -limit, limit)
+    rows, sentences = saturated_rows(model, [efforts(clipped, evidence)])
+    np.testing.assert_array_equal(rows[:, 1], np.abs(clipped[:, 1]) > 0.998 * limit)
+    assert not rows[:, [0, 2, 3]].any()
+    assert len(sentences) == 1 and 'j1' in sentences[0] and '20 %' in sentences[0]
+
+
+def test_a_joint_at_rest_is_not_at_its_limit():
+    """A held joint's effort is the same all the time and far from what the drive can do."""
+    model, evidence = declared_model(), recorded()[0]
+    torque = evidence.torque.copy()
+    torque[:, 0] = 3.0
+    rows, sentences = saturated_rows(model, [efforts(torque, evidence)])
+    assert not rows.any() and not sentences
