@@ -5,6 +5,9 @@ Recent information (L_r, v_r) is compared with what the older belief x ~ N(x_o, 
 z = v_r - L_r x_o has covariance L_r + L_r S_o L_r when nothing changed. A change d of the load
 adds L_r d. With a prior N(0, P) on d the log Bayes factor of changed against unchanged is
 b^T (A + P^-1)^-1 b / 2 - log det(I + P A) / 2, where A and b are the information about d in z.
+
+What may have changed instead is one joint: its friction and offset, of which the model states how
+far they drift. The same factor with P for these tells how well that explains the data.
 """
 
 from collections import deque
@@ -12,6 +15,7 @@ from collections import deque
 import numpy as np
 
 from ..load import products_jacobian_of_shape
+from ..torque_model import DRIFTS
 from .information import Information
 from .positive_solve import positive_solve, unit
 
@@ -26,6 +30,8 @@ OF_A_MOMENT = 2.0
 # Evidence needed: a log Bayes factor at which chance needs e^-25 of luck. Model error is not
 # chance, hence so high.
 EVIDENCE = 25.0
+# What a joint may have become, in standard deviations of its stated drift: nearly anything.
+ANY_JOINT = 100.0
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
 
@@ -45,12 +51,34 @@ def log_bayes_factor(recent, older_mean, older_precision, change):
     recent: Information; older_mean (d,), older_precision (d, d): belief without it; change
     (10, 10): covariance of what a load may change by.
     """
+    return _factor_of(*_told_of(slice(10), recent, older_mean, older_precision), change)
+
+
+def strongest_joint(recent, older_mean, older_precision, n):
+    """
+    Return the largest log Bayes factor of one joint that has changed, of n.
+
+    Arguments as of log_bayes_factor; the last DRIFTS * n unknowns are the joints' drifts.
+    """
+    b, a = _told_of(slice(len(older_mean) - DRIFTS * n, None), recent, older_mean,
+                    older_precision)
+    anything = ANY_JOINT ** 2 * unit(DRIFTS)
+    drifts = (joint + n * np.arange(DRIFTS) for joint in range(n))
+    return max(_factor_of(b[own], a[np.ix_(own, own)], anything) for own in drifts)
+
+
+def _told_of(where, recent, older_mean, older_precision):
+    """Return b (k,), A (k, k): information about a change of the unknowns in a slice."""
     z = recent.vector - recent.matrix @ older_mean
     # (1 + L_r S_o)^-1 = S_o^-1 (S_o^-1 + L_r)^-1, where only positive matrices are solved with.
-    solved = older_precision[:10] @ positive_solve(
-        older_precision + recent.matrix, np.column_stack([z, recent.matrix[:, :10]]))
-    b, a = solved[:, 0], solved[:, 1:]
-    inflated = unit(10) + a @ change
+    solved = older_precision[where] @ positive_solve(
+        older_precision + recent.matrix, np.column_stack([z, recent.matrix[:, where]]))
+    return solved[:, 0], solved[:, 1:]
+
+
+def _factor_of(b, a, change):
+    """Return the log Bayes factor of a change of covariance (k, k); b, a: as of _told_of."""
+    inflated = unit(len(b)) + a @ change
     quadratic = b @ change @ np.linalg.solve(inflated, b)
     return 0.5 * (quadratic - np.linalg.slogdet(inflated)[1])
 

@@ -38,6 +38,8 @@ MEMORY = 30.0
 # Whether a load has changed is asked with the factor of so many pieces ago: a change that is not
 # noticed yet looks like a model that does not foretell.
 BEFORE = 34
+# Innovations below this share of what is stated: the arm is as healthy as its model.
+FORETOLD = 0.8
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
 STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
@@ -112,6 +114,10 @@ class ModelTrust:
     def factor_before(self):
         """Return the factor as it was before what a change of load may have brought."""
         return _factor(self._counts_before(BEFORE))
+
+    def foretold_before(self):
+        """Tell whether torques were foretold better than stated, as factor_before counts."""
+        return bool((_shares(self._counts_before(BEFORE)) < FORETOLD).all())
 
     def take(self, piece):
         """Take a piece of Information that has just ended; look() judges it."""
@@ -196,7 +202,11 @@ def _factor(counts):
 
     What so few windows tell is a Student's variance: its 95 % are wider than a normal's.
     """
-    squares, ranks, windows = counts
-    factor = (ASSUMED + squares) / (ASSUMED + ranks)
-    student = 1.0 + STUDENT / (1.0 + windows)
-    return max(1.0, float((1.0 + (factor - 1.0) * student ** 2).max()))
+    student = 1.0 + STUDENT / (1.0 + counts[2])
+    return max(1.0, float((1.0 + (_shares(counts) - 1.0) * student ** 2).max()))
+
+
+def _shares(counts):
+    """Return (lengths,): what innovations were of what is stated, 1 where nothing was compared."""
+    squares, ranks, _ = counts
+    return (ASSUMED + squares) / (ASSUMED + ranks)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..torque_model import DRIFTS
 from .change import (change_covariance, EVIDENCE, log_bayes_factor, LONG, OF_A_MOMENT, RecentData,
-                     SHORT)
+                     SHORT, strongest_joint)
 from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
 from .method import Belief, checked
 from .model_trust import ModelTrust
@@ -87,8 +87,8 @@ class LoadRegression:
         self._turn = (self._turn + 1) % len(LONG)
         # Torques that vary so much more than stated make so much more evidence by themselves.
         needed = self._evidence * self.trust.factor_before()
-        if (self._evidence_of_newest(SHORT) > OF_A_MOMENT * needed
-                or self._evidence_of_newest(LONG[self._turn]) > needed):
+        if (self._has_changed(SHORT, OF_A_MOMENT * needed)
+                or self._has_changed(LONG[self._turn], needed)):
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change())
         else:
@@ -238,15 +238,26 @@ class LoadRegression:
         self.update_posterior()
         return True
 
-    def _evidence_of_newest(self, count):
-        """Return the log Bayes factor of another load in the last `count` pieces, if they are."""
+    def _has_changed(self, count, needed):
+        """Tell whether the last `count` pieces are another load's, by `needed` nats."""
         split = self._recent.split(count)
-        return -np.inf if split is None else self._evidence_of(split)
+        if split is None:
+            return False
+        evidence = self._evidence_of(split)
+        # A slip may show in one joint only. Where the model has foretold the torques that well,
+        # a joint that suddenly is another is less likely still.
+        return evidence > needed and (self.trust.foretold_before()
+                                      or evidence > self._evidence_of_a_joint(split))
 
     def _evidence_of(self, split):
         """Return the log Bayes factor of a changed load between (older, recent) Information."""
         older, recent = split
         return log_bayes_factor(recent, *self._older_belief(older), self.change)
+
+    def _evidence_of_a_joint(self, split):
+        """Return the log Bayes factor of one changed joint instead, the likeliest."""
+        older, recent = split
+        return strongest_joint(recent, *self._older_belief(older), self._joints)
 
     def _pieces_since_change(self):
         """Return how many pieces are most likely another load's, and the one it came in."""
