@@ -8,10 +8,12 @@ import numpy as np
 from plant_helpers import ur10e
 import pytest
 
+from hand_load_estimator.estimators import regression
 from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, LONG, PIECE,
-                                                   RecentData)
+                                                   RecentData, strongest_joint)
 from hand_load_estimator.estimators.information import Information
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.regression import LoadRegression
 from hand_load_estimator.load import LoadParameters
 
@@ -152,6 +154,53 @@ def test_evidence_speaks_for_the_same_load_and_against_another():
     other = log_bayes_factor(information(rng, block(5.0), 30), block(3.0).to_products(),
                              precision, change)
     assert same < 0.0 and other > EVIDENCE
+
+
+def drifting(rng, load, jump=0.0, rows=40):
+    """Return Information of rows: load, then offset, Coulomb and viscous drift of six joints."""
+    robot, out = exact_model('ur10e').robot, Information(0, 18)
+    for q, v, a in rng.uniform(-1.5, 1.5, (rows, 3, 6)):
+        drifts = [np.diag(0.2 * part) for part in (np.ones(6), np.sign(v), v)]
+        columns = np.hstack([robot.load_regressor(q, v, a), *drifts])
+        torque = columns[:, :10] @ load.to_products() + jump + rng.normal(size=6)
+        out.add_rows(columns, torque, np.ones(6))
+    return out
+
+
+@pytest.mark.parametrize('joint', range(1, 6))
+@pytest.mark.parametrize('changed', [True, False])
+def test_a_joint_that_jumps_is_told_from_a_load_that_changes(joint, changed):
+    rng, change = np.random.default_rng(joint), np.diag([4.0] + [0.3] * 3 + [0.05] * 6) ** 2
+    older = drifting(rng, block(3.0), rows=300)
+    precision = older.matrix + np.diag([1e-6] * 10 + [1.0] * 18)
+    mean = np.linalg.solve(precision, older.vector)
+    jump = 0.0 if changed else 5.0 * np.eye(6)[joint]
+    recent = drifting(rng, block(4.5 if changed else 3.0), jump)
+    of_load = log_bayes_factor(recent, mean, precision, change)
+    of_joint = strongest_joint(recent, mean, precision, 6)
+    assert max(of_load, of_joint) > EVIDENCE
+    assert (of_load > of_joint + EVIDENCE) == changed
+
+
+def kicked(joint, seconds=6.0, at=3.0):
+    """Return messages of an arm with 3 kg, one of whose joints drags by 2 % of its limit since."""
+    model = exact_model('ur10e')
+    drag = 0.02 * model.robot.limits.torque * np.eye(6)[joint]
+    return [m if m.stamp < 100.0 + at else replace(m, effort=m.effort + drag * np.tanh(
+        m.velocity / 0.02)) for m in messages(model, block(3.0), seconds)]
+
+
+@pytest.mark.parametrize('joint', [1, 2, 3])
+def test_a_joint_that_begins_to_drag_is_no_other_load(joint, monkeypatch):
+    """Unless the arm was healthy until then, where a slip is likelier."""
+    monkeypatch.setattr(ModelTrust, 'foretold_before', lambda self: False)
+    pipeline = warm(pipeline_of(exact_model('ur10e')))
+    feed(pipeline, kicked(joint))
+    assert pipeline.load_id == 0
+    monkeypatch.setattr(regression, 'strongest_joint', lambda *arguments: -np.inf)
+    pipeline = warm(pipeline_of(exact_model('ur10e')))
+    feed(pipeline, kicked(joint))
+    assert pipeline.load_id > 0, 'nothing to be told apart here'
 
 
 def test_recent_data_keep_every_row_once():

@@ -30,8 +30,9 @@ OF_A_MOMENT = 2.0
 # Evidence needed: a log Bayes factor at which chance needs e^-25 of luck. Model error is not
 # chance, hence so high.
 EVIDENCE = 25.0
-# What a joint may have become, in standard deviations of its stated drift: nearly anything.
-ANY_JOINT = 100.0
+# How far a joint may have changed, in standard deviations of its stated drift: the likeliest of
+# these counts, because how well a model knows its drift says nothing of what breaks.
+ANY_JOINT = (30.0, 1e3, 3e4)
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
 
@@ -62,9 +63,9 @@ def strongest_joint(recent, older_mean, older_precision, n):
     """
     b, a = _told_of(slice(len(older_mean) - DRIFTS * n, None), recent, older_mean,
                     older_precision)
-    anything = ANY_JOINT ** 2 * unit(DRIFTS)
-    drifts = (joint + n * np.arange(DRIFTS) for joint in range(n))
-    return max(_factor_of(b[own], a[np.ix_(own, own)], anything) for own in drifts)
+    drifts = [joint + n * np.arange(DRIFTS) for joint in range(n)]
+    return max(_factor_of(b[own], a[np.ix_(own, own)], spread ** 2 * unit(DRIFTS))
+               for own in drifts for spread in ANY_JOINT)
 
 
 def _told_of(where, recent, older_mean, older_precision):
