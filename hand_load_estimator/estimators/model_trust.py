@@ -84,7 +84,7 @@ class ModelTrust:
         self._renew()
 
     def begin_anew(self, pieces):
-        """Begin with other data, of which the newest `pieces` were compared with the old belief."""
+        """Begin with other data; the newest `pieces` of it were compared with the old belief."""
         self._know(self._counts_before(pieces))
         self.restart()
 

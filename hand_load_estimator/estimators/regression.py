@@ -37,8 +37,9 @@ class LoadRegression:
     foretold_doubt for the relative standard deviation of the torque constants (gain_doubt unless
     given, where the intervals hold that doubt otherwise).
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
-    how many pieces of recent data it reaches back. change (10, 10): covariance of what the products
-    may change by when the load does.
+    how many pieces of recent data it reaches back. change (10, 10): covariance of what the
+    products may change by when the load does. The last DRIFTS * n nuisances are the joints'
+    (torque_model.nuisance_columns).
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None,
