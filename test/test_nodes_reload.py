@@ -36,7 +36,9 @@ def files(tmp_path):
     right = exact_model()
     wrong = right.mean.copy()
     offsets = [where.start for use, where in right.slices() if use.name == 'torque_offset']
+    # One joint's would be found for what it is.
     wrong[offsets[1]] += 20.0
+    wrong[offsets[2]] += 12.0
     write_model(tmp_path / 'right.yaml', replace(
         right, recordings=(RecordingMark('run 1', 'ab'), RecordingMark('run 2')),
         diagnosed='2026-03-01T14:30:00+00:00',
