@@ -23,7 +23,7 @@ from .whole_file import whole_file
 
 SCHEMA = 'hand_load/torque_model/1'
 # Shapes that files from before they were there have at their defaults.
-_NEWER = frozenset({'impact'})
+_NEWER = frozenset({'impact', 'exponent'})
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 
 

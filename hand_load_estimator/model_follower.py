@@ -128,9 +128,11 @@ class ModelFollower:
         """Return the Prediction at a MotionSample."""
         robot = self.model.robot
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
-        x = EffectInput(*(s[None] for s in (
-            sample.q, sample.v, sample.a, warmth_of(robot, sample.temperature), z)),
-            shown=self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt),
+        warmth = warmth_of(robot, sample.temperature)
+        shown = self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt, warmth,
+                                               sample.jerk)
+        x = EffectInput(
+            *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), shown=shown,
             jerk=None if sample.jerk is None else sample.jerk[None])
         believed = self._believed(x)
         columns = self._columns(x, sample.dt, believed)

@@ -44,8 +44,8 @@ class EffectUse:
 
     @property
     def told_shape(self):
-        """The shape values that are there: an infinite one says that there is none."""
-        return {name: value for name, value in self.shape.items() if np.isfinite(value)}
+        """The shape values that are there (Shape.there)."""
+        return self.effect.told(self.shape)
 
 
 def warmth_of(robot, temperature):
@@ -267,7 +267,7 @@ def motion_input(robot, motion, distance, power=None):
     """
     z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
     warmth = warmth_of(robot, motion.temperature)
-    shown = shown_along(motion.q, motion.v, motion.a, motion.dt)
+    shown = shown_along(motion.q, motion.v, motion.a, motion.dt, warmth, motion.jerk)
     return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown,
                        jerk=motion.jerk), doubt
 

@@ -180,6 +180,16 @@ def peak(run):
     return run.x.shown(np.arange(run.robot.n), 2e-3, np.inf, 0.1)
 
 
+def narrow_peak(run):
+    """A peak that falls faster than by 1 / e, the later the warmer the joint."""
+    return run.x.shown(np.arange(run.robot.n), 2e-3, np.inf, 0.1, 1.8, 30.0)
+
+
+def levelling(run):
+    """Friction of a fluid that levels off, as the plainest of Cross's curves."""
+    return run.x.v / (0.3 + np.abs(run.x.v))
+
+
 def thinning(run):
     """A power-law fluid: friction with the square root of speed."""
     return np.sign(run.x.v) * np.sqrt(np.abs(run.x.v))

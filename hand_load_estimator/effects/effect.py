@@ -22,9 +22,9 @@ class EffectInput:
     seconds ago less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag,
     pose_share, impact): what a gap [rad] in the gear of joint j does to the torque of its drive
     (play.py), (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and
-    impacts [s]; shown(j, travel, power, velocity): friction of size one as the motion filter
-    shows it (shown_friction.py), (N,) or (N, m) [-]; jerk [rad/s^3] where q, v and a come through
-    the motion filter.
+    impacts [s]; shown(j, travel, power, *peak): friction of size one as the motion filter shows
+    it (shown_friction.py), (N,) or (N, m) [-], peak: of stribeck_curve.left; jerk [rad/s^3] where
+    q, v and a come through the motion filter.
     """
 
     q: np.ndarray
@@ -61,7 +61,8 @@ class Shape:
     A parameter the columns depend on nonlinearly: searched over `grid`, then kept.
 
     An empty grid: it is found from the residual (the period of a ripple). gain [nats]: what
-    another value must explain more than the default does; a default of infinity is no such shape.
+    another value must explain more than the default does, which is then no such shape, as
+    infinity is.
     """
 
     name: str
@@ -69,6 +70,10 @@ class Shape:
     default: float
     grid: tuple
     gain: float = 0.0
+
+    def there(self, value):
+        """Tell whether a value says anything: infinite, or not worth its price, it is plain."""
+        return bool(np.isfinite(value) and not (self.gain and value == self.default))
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,10 @@ class Effect:
     def std(self, torque):
         """Return the prior's standard deviations (k,) for a joint of maximum torque [Nm]."""
         return np.array(self.prior_std) * (1.0 if self.absolute else torque)
+
+    def told(self, shape):
+        """Return those of the values {name: value} of a shape that say anything."""
+        return {s.name: shape[s.name] for s in self.shapes if s.there(shape[s.name])}
 
     def default_shape(self):
         """Return the mapping of shape names to defaults."""

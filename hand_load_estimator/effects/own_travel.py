@@ -7,14 +7,15 @@ from .effect import Shape
 # Contacts are springs: the larger a friction, the longer the way over which they bend (Canudas de
 # Wit et al. 1995). Infinity: it turns as the joint's other friction; only a residual tells more.
 OWN_TRAVEL = Shape('travel', 'rad', np.inf, (np.inf,), 25.0)
-POWER = Shape('power', '-', np.inf, (np.inf,))
+POWER = Shape('power', '-', np.inf, (np.inf,), 25.0)
 
 
-def of_own_travel(x, j, shape, plain, velocity=np.inf):
+def of_own_travel(x, j, shape, plain, *peak):
     """
     Return friction of size one (N,), or (N, m), where a travel is given, and `plain` elsewhere.
 
-    x: EffectInput; velocity [rad/s]: where 1 / e of the friction is left.
+    x: EffectInput; peak: arguments of stribeck_curve.left behind the warmth, for friction that
+    falls with speed.
     """
     if x.shown is None:
         return plain
@@ -22,7 +23,7 @@ def of_own_travel(x, j, shape, plain, velocity=np.inf):
     if not np.any(own):
         return plain
     joints = np.arange(x.q.shape[1])[j]
-    places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), velocity
+    places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), *peak
     if not np.ndim(joints):
         return x.shown(*places)
     out = plain.copy()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .confusable import named_together
+from .hypothesis import searched
 
 # Standard errors that a gain, or a difference of two, must be beyond chance.
 SIGMAS = 3.0
@@ -45,7 +46,7 @@ class Candidate:
     @property
     def size(self):
         """Number of parameters, those of its shapes included."""
-        return sum(len(h.scale) + sum(map(np.isfinite, h.shape.values()))
+        return sum(len(h.scale) + len(searched(h))
                    for h, _ in (self.parts[:1] if self.common else self.parts))
 
     @property

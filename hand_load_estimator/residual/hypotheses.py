@@ -21,6 +21,11 @@ PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13,
 PRESLIDING_POWERS, LEAST_POWER = (np.inf, 2.0), 1.0
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
+# Large ones tell more of their curves than the plainest: how a Stribeck peak falls (measured:
+# exponents of 1.3) and warms, how much a lubricant thins.
+FORMS = {'stribeck_friction': {'exponent': (1.0, 1.3, 1.7),
+                               'velocity_range': (np.inf, 80.0, 30.0)},
+         'shear_thinning_friction': {'exponent': (1.0, 0.75, 0.5)}}
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
@@ -187,6 +192,15 @@ def _of_shapes(hypothesis, shapes, model, residual):
         columns = _columns(model, EFFECTS[hypothesis.name], residual.x, j, shapes)
     return [replace(hypothesis, columns={j: own * hypothesis.scale}, shape=shape)
             for own, shape in zip(columns, shapes)]
+
+
+def other_forms(hypothesis, model, residual):
+    """Return the Hypotheses that differ from one of FORMS in the form of its curve."""
+    here, velocity = hypothesis.shape, EFFECTS[hypothesis.name].shapes[0]
+    # The velocity that goes with another form may be far from the one that goes with this.
+    forms = {velocity.name: (here[velocity.name], *velocity.grid), **FORMS[hypothesis.name]}
+    shapes = [{**here, **dict(zip(forms, values))} for values in product(*forms.values())]
+    return _of_shapes(hypothesis, [shape for shape in shapes if shape != here], model, residual)
 
 
 def other_ways(hypothesis, model, residual):

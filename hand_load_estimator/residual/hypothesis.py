@@ -37,8 +37,8 @@ class Hypothesis:
 
 
 def searched(hypothesis):
-    """Return the nonlinear parameters {name: value} that are there; infinite ones are not."""
-    return {name: value for name, value in hypothesis.shape.items() if np.isfinite(value)}
+    """Return the nonlinear parameters {name: value} that are there (Shape.there)."""
+    return EFFECTS[hypothesis.name].told(hypothesis.shape) if hypothesis.shape else {}
 
 
 def refinable(hypothesis):

@@ -15,12 +15,12 @@ import numpy as np
 from .blocks import Blocks
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import hypotheses, ONE_CAUSE, other_ways, reshaped, turned
+from .hypotheses import FORMS, hypotheses, ONE_CAUSE, other_forms, other_ways, reshaped, turned
 from .hypothesis import physical, price, refinable, searched, turns
 from .shape_fit import settled
 
 ROUNDS = 10
-# How friction turns is asked of effects that gain so much [nats].
+# How friction turns and falls is asked of effects that gain so much [nats].
 PLENTY = 200.0
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
 # of the model's noise.
@@ -69,7 +69,7 @@ class Trace:
             step = self._round()
             if step is None:
                 break
-            step = replace(step, chosen=self._turning(step.chosen))
+            step = replace(step, chosen=self._shaped(step.chosen))
             found = self.drifted if self._expected(step.chosen) else self.steps
             found.append(step)
             self._take(step.chosen)
@@ -236,23 +236,28 @@ class Trace:
             return (hypothesis, score), 0
         return self._searched((hypothesis, score), self.blocks)
 
-    def _turning(self, candidate):
+    def _shaped(self, candidate):
         """
-        Return a chosen Candidate with the way its friction turns, where it is friction that does.
+        Return a chosen Candidate with the finer shape that a large one tells.
 
-        Reversals are what shows it, and what all other comparisons leave out.
+        How friction turns shows in reversals, which all other comparisons leave out. Its form and
+        the way it turns make up for one another: the one is asked again with the other.
         """
-        hypothesis, r = candidate.parts[0][0], self._residual
-        if not turns(hypothesis) or candidate.gain < PLENTY:
+        r, (plain, _) = self._residual, candidate.parts[0]
+        forms = [other_forms] if plain.name in FORMS else []
+        finer = [*forms, other_ways, *forms] if turns(plain) else forms
+        if candidate.gain < PLENTY or not finer:
             return candidate
-        blocks = Blocks(r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds,
-                        r.cut.groups)
-        own = [hypothesis, *other_ways(hypothesis, self._model, r)]
-        pairs = [(trial, blocks.evaluate(trial.columns)) for trial in own]
-        # A shape that is not there without need must pay for itself.
-        best = max(pairs, key=lambda pair: _rank(*pair, -price(pair[0], hypothesis)))
-        (best, _), _ = self._searched(best, blocks)
-        return single(best, self.blocks.evaluate(best.columns))
+        blocks = self.blocks if not turns(plain) else Blocks(
+            r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds, r.cut.groups)
+        best = plain, blocks.evaluate(plain.columns)
+        for others in finer:
+            pairs = [best, *((trial, blocks.evaluate(trial.columns))
+                             for trial in others(best[0], self._model, r))]
+            # A shape that is not there without need must pay for itself.
+            best = max(pairs, key=lambda pair: _rank(*pair, -price(pair[0], plain)))
+            best, _ = self._searched(best, blocks)
+        return single(best[0], self.blocks.evaluate(best[0].columns))
 
     def _searched(self, best, blocks):
         """Return a pair with its shape searched around what it is, number of trials."""
