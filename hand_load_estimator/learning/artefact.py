@@ -14,7 +14,7 @@ from safetensors.numpy import load_file, save_file
 from ..errors import ConfigurationError
 from ..same_arm import place_difference, places_of
 from ..whole_file import whole_file
-from .features import feature_count
+from .features import feature_count, INPUTS
 from .interval_factors import LEVELS
 
 SCHEMA = 'hand_load/learned/1'
@@ -35,7 +35,8 @@ class Artefact:
 
 def write_artefact(folder, weights, calibration, card):
     """Write the two files; each appears whole or not at all."""
-    write_files(folder, WEIGHTS, {**weights, 'calibration': calibration}, card)
+    write_files(folder, WEIGHTS, {**weights, 'calibration': calibration},
+                {**card, 'inputs': list(INPUTS)})
 
 
 def write_files(folder, name, tensors, card):
@@ -56,6 +57,9 @@ def read_artefact(folder, robot):
     folder = Path(folder)
     card, tensors = read_files(folder, WEIGHTS)
     check_card(folder, card, robot, NETWORK)
+    if card.get('inputs') != list(INPUTS):
+        raise ConfigurationError(folder / CARD, 'was trained on other inputs', card.get('inputs'),
+                                 'those of learning/features.py', 'train it again')
     _check_tensors(folder, tensors, robot)
     calibration = tensors.pop('calibration').astype(float)
     return Artefact({k: v.astype(float) for k, v in tensors.items()}, calibration, card)

@@ -13,6 +13,16 @@ import numpy as np
 # The posterior behind the innovations is renewed every so many samples.
 REFRESH = 5
 PER_JOINT, SHARED = 15, 11
+# What they are and how they are scaled, for the card: an artefact serves these and no others.
+INPUTS = (
+    'sin(q)', 'cos(q)', 'v / largest v', 'a / largest a', 'asinh(torque difference / rmse) / 3',
+    'asinh(innovation / rmse) / 3', "asinh(std of the load's torque / rmse) / 3",
+    "asinh(load's torque / rmse) / 3", 'warmth / 20 K', 'friction state z', 'doubt of z, at most 1',
+    'log(density / intensity) / 6, at most 2', 'asinh(v / 0.01 rad/s) / 3',
+    'asinh(slow innovation / its std) / 3',
+    'log(slow innovation squared over what is expected + 0.01) / 3, at most 2',
+    'which joint: one of n', 'log(posterior std / prior std) / 5, at least -1.4: ten',
+    'temperatures measured')
 # Training ends after seconds; what grows surer for hours must not leave the range it saw.
 LEAST_LOG_STD = -1.4
 # What the model lacks shows in slow residuals: innovations averaged over SLOW [s], and their mean
