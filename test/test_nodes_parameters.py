@@ -1,6 +1,8 @@
 """Parameter tables: YAML, descriptors, refusals agree; a wrong value ends with a sentence."""
 
 from importlib import import_module
+from pathlib import Path
+import shutil
 
 import pytest
 import yaml
@@ -104,6 +106,17 @@ def test_a_robot_without_a_shipped_model_is_told_to_give_one(start, node):
     assert process.output == ('error: parameter model: none is shipped for robot ur10e_current; '
                               'give model:=FILE, which `hand_load identify` makes from its '
                               'recordings\n')
+
+
+@pytest.mark.parametrize('node', ['estimator', 'controller'])
+def test_a_wrong_robot_file_is_told_before_its_model_is_missed(start, node, tmp_path):
+    # A copy without its URDF.
+    wrong = Path(shutil.copy(ROOT / 'config' / 'robots' / 'ur10e.yaml', tmp_path / 'my_arm.yaml'))
+    process = start(node, '--ros-args', '--params-file', ROOT / 'config' / f'{node}.yaml', '-p',
+                    f'robot:={wrong}')
+    assert process.wait(30.0) == 2
+    assert f'{wrong}: urdf' in process.output, process.output
+    assert 'parameter model' not in process.output and process.output.count('\n') == 1
 
 
 def test_waypoints_are_nobodys_but_the_users(start):

@@ -80,7 +80,7 @@ class ControllerNode(Node):
         subscribe_draining(self, JointState, 'joint_states', self._on_joint_state,
                            measurement(values.joint_states_depth))
         self.create_subscription(Temperature, 'joint_temperatures', self._on_temperature,
-                                 measurement(200))
+                                 measurement(values.temperatures_depth))
         subscribe_dynamic_joint_states(self, values.joint_states_depth, self._take_temperature)
         self.create_subscription(InertiaStamped, 'estimator/load', self._on_load, OUTPUT)
         self.create_subscription(InertiaStamped, 'estimator/load_variance', self._on_variance,

@@ -39,4 +39,6 @@ CONTROLLER_PARAMETERS = (
               high=500.0),
     Parameter('joint_states_depth', 2000, 'joint states kept while the node is busy: at least '
               'one second of them', 'messages', low=10, high=100000),
+    Parameter('temperatures_depth', 200, 'temperatures kept while the node is busy: at least one '
+              'second of them', 'messages', low=10, high=100000),
 )

@@ -1,6 +1,7 @@
 """Which robot and model files the parameters `robot` and `model` of a node stand for."""
 
 from ..errors import ConfigurationError
+from ..robot import load_robot
 from ..shared_files import find_shared
 
 
@@ -12,6 +13,7 @@ def robot_and_model(values):
     try:
         return robot, find_shared(robot.stem, 'models')
     except ConfigurationError:
+        load_robot(robot)  # What is wrong with it is the nearer fault.
         raise ConfigurationError(
             'parameter model', f'none is shipped for robot {robot.stem}',
             todo='give model:=FILE, which `hand_load identify` makes from its recordings'
