@@ -1,21 +1,17 @@
-"""Suites draw what they say, jobs resume and survive a broken one, arms come from URDFs."""
-
-import json
-import math
-import os
+"""Suites draw what they say, and their extra arms come from URDFs."""
 
 from core_helpers import four_axes
 import numpy as np
 import pytest
 
-from hand_load_estimator import cli, seeds
-from hand_load_estimator.benchmark import arms, execute, joined, run, suites
+from hand_load_estimator import seeds
+from hand_load_estimator.benchmark import arms, suites
 from hand_load_estimator.benchmark.suites import cases_of, SUITES, UNDECLARED
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.plant.hidden import EFFECTS
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared, share_folder
+from hand_load_estimator.shared_files import find_shared
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 CASES = seeds.DEVELOPMENT_CASES[900:940]
@@ -138,55 +134,6 @@ def test_where_no_joint_can_have_an_effect_the_next_one_is_hidden(monkeypatch):
         SUITES['undeclared'].draw(robot, PLANT, seed)
 
 
-# Running jobs.
-
-def test_jobs_are_stored_and_read_again(tmp_path):
-    jobs = {f'n{k}': (k,) for k in (1, 4)}
-    first = execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)
-    assert first == {'n1': 1.0, 'n4': 2.0}
-    (tmp_path / 'n1.json').write_text('"kept"')
-    assert execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)['n1'] == 'kept'
-
-
-def test_a_broken_job_is_told_and_left_out(tmp_path):
-    told = []
-    found = execute.measure_all(math.sqrt, {f'n{k}': (k,) for k in (4, -1)}, tmp_path, 1,
-                                write=told.append)
-    assert found == {'n4': 2.0}
-    assert any('n-1 failed: ValueError' in line for line in told)
-    assert [path.name for path in tmp_path.iterdir()] == ['n4.json']
-    with pytest.raises(ValueError):
-        execute.measure_all(math.sqrt, {'n-1': (-1,)}, tmp_path, workers=0)
-
-
-def test_a_cluster_gives_its_results_to_this_process(tmp_path, monkeypatch):
-    """joblib's loky stands for it: the workers write nothing, and all of them are used."""
-    joblib = pytest.importorskip('joblib', reason='joblib is not installed: no cluster to test')
-    asked, kept = [], execute._keep
-    monkeypatch.setattr(execute, '_keep', lambda *given: asked.append(os.getpid()) or kept(*given))
-    given, config = [], joblib.parallel_config
-    monkeypatch.setattr(joblib, 'parallel_config', lambda **told: given.append(told) or config(
-        **{**told, 'n_jobs': 2}))
-    told, jobs = [], {f'n{k}': (k,) for k in (4, -1, 9)}
-    found = execute.measure_all(math.sqrt, jobs, tmp_path, backend='loky', write=told.append)
-    assert found == {'n4': 2.0, 'n9': 3.0} and asked == [os.getpid()] * 2
-    assert given == [{'backend': 'loky', 'n_jobs': -1}]
-    assert any('n-1 failed: ValueError' in line for line in told)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ['n4.json', 'n9.json']
-    # What is there is not measured again, and what failed is tried.
-    (tmp_path / 'n9.json').write_text('"kept"')
-    jobs['n-1'] = (16,)
-    found = execute.measure_all(math.sqrt, jobs, tmp_path, 2, 'loky', told.append)
-    assert found == {'n4': 2.0, 'n-1': 4.0, 'n9': 'kept'} and len(asked) == 3
-
-
-def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
-    import sys
-    monkeypatch.setitem(sys.modules, 'joblib', None)
-    with pytest.raises(ConfigurationError, match='--backend.*joblib'):
-        execute.measure_all(math.sqrt, {'n1': (1,)}, tmp_path, 1, 'dask', lambda text: None)
-
-
 # Arms.
 
 def test_an_arms_file_is_the_draft_filled_in(tmp_path, monkeypatch):
@@ -224,104 +171,3 @@ def test_arms_need_their_package(monkeypatch):
     monkeypatch.setattr(arms, 'PACKAGE', 'no-such-package')
     with pytest.raises(ConfigurationError, match='arms needs the package'):
         arms.urdf_of(arms.ARMS['ur5'])
-
-
-# Several suites.
-
-def test_names_of_suites():
-    assert run.suite_names('arms') == ('arms-ur5', 'arms-panda', 'arms-xarm7')
-    assert run.suite_names('cold,warm,cold') == ('cold', 'warm')
-    assert set(run.suite_names('all')) >= {'base', 'inertia', 'undeclared', 'changes', 'real',
-                                           'cost', 'soak', 'arms-panda'}
-    assert 'development' not in run.suite_names('all')
-    with pytest.raises(ConfigurationError, match='--suite'):
-        run.suite_names('base,magic')
-
-
-@pytest.mark.parametrize(('options', 'match'), [
-    (run.Options(methods=('magic',)), '--methods.*bayes'),
-    (run.Options(rivals=('magic',)), '--rivals.*figaroh')])
-def test_wrong_choices_are_refused_at_once(options, match, tmp_path):
-    with pytest.raises(ConfigurationError, match=match):
-        run.run_suites('base', options, tmp_path, '')
-    assert not list(tmp_path.iterdir())
-
-
-def run_of(options, commit='abc', command='the command'):
-    return run._run(options, command, commit)
-
-
-def test_several_suites_share_one_table_of_goals(tmp_path, monkeypatch):
-    def measure(name, options, out, command, write):
-        if name == 'real':
-            raise ConfigurationError('--data', 'is not there')
-        (out / name).mkdir()
-        joined.write_scores(out / name, {'suite': name, 'run': run_of(options)})
-        return ''
-
-    monkeypatch.setattr(run, '_measure', measure)
-    page = run.run_suites('slow,real', run.Options(), tmp_path, 'the command', lambda text: None)
-    assert '| goal (issue 4) |' in page and '[slow](slow/README.md)' in page
-    assert 'Not measured: real' in page
-    assert '<a href="slow/index.html">slow</a>' in (tmp_path / 'index.html').read_text()
-    content = json.loads((tmp_path / 'scores.json').read_text())
-    assert [found['folder'] for found in content['runs']] == ['slow']
-    assert len(content['goals']) == 21
-    with pytest.raises(ConfigurationError, match='--data'):
-        run.run_suites('real', run.Options(), tmp_path, 'the command', lambda text: None)
-
-
-def test_runs_of_other_calls_and_commits_are_joined(tmp_path):
-    """Each row and each run tells where it comes from."""
-    soak = {'method': 'lstm', 'hours': 24.0, 'flat_memory': True, 'flat_time': True,
-            'times_real_time': 9.0, 'growth_mib': 0.3, 'time_drift_percent': 1.0,
-            'tail_drift_percent': 1.0, 'load_changes': 0}
-    for name, suite, commit, more in (('soak-24h', 'soak', 'abc', soak), ('real', 'real', 'def', {
-            'figure': math.nan})):
-        (tmp_path / name).mkdir()
-        joined.write_scores(tmp_path / name, {
-            'suite': suite, 'run': run_of(run.Options(), commit, f'command {name}'), **more})
-    (tmp_path / 'effects').mkdir()
-    joined.write_scores(tmp_path / 'effects', {'suite': 'effects'})
-    page = joined.write_index(tmp_path, run.SCHEMA)
-    assert '| yes | [soak-24h](soak-24h/README.md) |' in page
-    assert '| [real](real/README.md) | - | def | `command real` |' in page
-    assert '2 commits' in page and '[effects]' not in page and 'looking and choosing' not in page
-    assert json.loads((tmp_path / 'real' / 'scores.json').read_text())['figure'] is None
-    (goal,) = [row for row in json.loads((tmp_path / 'scores.json').read_text())['goals']
-               if row['reached']]
-    assert goal['runs'] == ['soak-24h']
-
-
-def test_runs_that_are_no_part_of_one_table_are_refused(tmp_path):
-    (tmp_path / 'base').mkdir()
-    joined.write_scores(tmp_path / 'base', {'suite': 'base', 'run': run_of(run.Options())})
-    joined.refuse_mixture(tmp_path, run_of(run.Options(cases=2000), 'def'))
-    for other in (run.Options(development=True), run.Options(robot='ur10e_current')):
-        with pytest.raises(ConfigurationError, match='another robot, artefact or seeds'):
-            run.run_suites('cold', other, tmp_path, '', lambda text: None)
-
-
-def test_a_table_on_development_seeds_says_so(tmp_path):
-    (tmp_path / 'base').mkdir()
-    joined.write_scores(tmp_path / 'base', {
-        'suite': 'base', 'run': run_of(run.Options(development=True)), 'scores': {}, 'overview': {
-            'cases': 4, 'scored': 3, 'plants': 1}})
-    page = joined.write_index(tmp_path, run.SCHEMA)
-    assert 'seeds for looking and choosing' in page and '| 3 of 4, 1 plants |' in page
-
-
-def test_folders_are_named_by_suite_and_choice():
-    assert joined.run_name('base') == 'base'
-    assert joined.run_name('base', 2000, None, ('lstm',)) == 'base-2000-lstm'
-    assert joined.run_name('soak', None, 0.5, ('lstm', 'bayes')) == 'soak-0.5h-lstm+bayes'
-
-
-def test_the_command_finds_a_shipped_artefact_by_its_name(tmp_path, monkeypatch, capsys):
-    asked = []
-    monkeypatch.setattr(run, 'run_suites', lambda *args: asked.append(args[1].learned) or '')
-    arguments = ['benchmark', '--out', str(tmp_path), '--learned']
-    assert cli.main([*arguments, 'ur10e']) == 0
-    assert asked == [str(share_folder() / 'config' / 'learned' / 'ur10e')]
-    assert cli.main([*arguments, 'ur11']) == 2
-    assert 'neither a path nor a shipped file' in capsys.readouterr().err

@@ -1,7 +1,7 @@
 """A learned correction in place of what is unknown is told with what it makes worse."""
 
+from diagnosis_report_helpers import found
 import numpy as np
-from test_diagnosis_report import found
 
 from hand_load_estimator.residual.correction import with_correction
 from hand_load_estimator.residual.diagnosis import Correction

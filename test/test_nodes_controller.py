@@ -1,34 +1,22 @@
 """The controller as a process against a small robot and estimator in the test's own process."""
 
 import signal
-from types import SimpleNamespace
 
+from control_helpers import FakeModel, PICK
+from controller_helpers import (arguments, brakes, JOINTS, listening, MASS, MODEL, phases,
+                                Robot)
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Inertia, InertiaStamped
 import numpy as np
 import pytest
-from control_helpers import HOME, PICK, FakeArm, FakeModel, covariance_of, load_vector
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Inertia, InertiaStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64MultiArray, String
+from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory
-from ros_helpers import CONTROLLER_YAML
 
 from hand_load_estimator.identification import nominal_model
-from hand_load_estimator.load import products_from_message
 from hand_load_estimator.model_file import write_model
-from hand_load_estimator.nodes.controller_messages import limits_message, trajectory_message
-from hand_load_estimator.nodes.estimate_messages import (covariance_message, inertia_message,
-                                                         residual_message)
-from hand_load_estimator.nodes.load_pairing import LoadPairing
-from hand_load_estimator.nodes.qos import LATCHED, OUTPUT, measurement
-from hand_load_estimator.trajectory import Trajectory
-
-MODEL = FakeModel()
-JOINTS = list(MODEL.robot.joints)
-RATE = 100.0
-MASS = 2.0
+from hand_load_estimator.nodes.qos import LATCHED, OUTPUT
 
 
 @pytest.fixture(scope='module')
@@ -37,98 +25,6 @@ def model_file(tmp_path_factory):
     path = tmp_path_factory.mktemp('model') / 'plain.yaml'
     write_model(path, nominal_model(MODEL.robot, 0.02 * FakeModel.noise ** 2))
     return path
-
-
-class Robot:
-    """Follows trajectories and publishes joint states, an estimate, a status and residuals."""
-
-    def __init__(self, node, prefix=''):
-        self._node, self.arm, self.refused = node, FakeArm(MODEL, HOME), []
-        self.residuals, self.tared = True, False
-        self.arm.load, self.order = products_from_message(load_vector(MASS)), list(range(6))
-        self._states = node.create_publisher(JointState, f'{prefix}joint_states', OUTPUT)
-        self._load = node.create_publisher(InertiaStamped, f'{prefix}estimator/load', OUTPUT)
-        self._variance = node.create_publisher(InertiaStamped, f'{prefix}estimator/load_variance',
-                                               OUTPUT)
-        self._covariance = node.create_publisher(
-            Float64MultiArray, f'{prefix}estimator/load_covariance', OUTPUT)
-        self._status = node.create_publisher(DiagnosticStatus, f'{prefix}estimator/status',
-                                             LATCHED)
-        self._residual = node.create_publisher(JointState, f'{prefix}estimator/residual_torque',
-                                               OUTPUT)
-        self._known = node.create_publisher(InertiaStamped, f'{prefix}estimator/known_load',
-                                            LATCHED)
-        node.create_subscription(
-            JointTrajectory, f'{prefix}joint_trajectory_controller/joint_trajectory',
-            self._take, OUTPUT)
-        node.create_timer(1.0 / RATE, self.publish)
-        self.received = []
-
-    def now(self):
-        """Return the time [s]."""
-        return self._node.get_clock().now().nanoseconds * 1e-9
-
-    def _take(self, message):
-        self.received.append(message)
-        if not message.points or list(message.joint_names) != JOINTS:
-            self.refused.append(message)
-            return
-        time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
-        columns = [[getattr(p, kind) for p in message.points]
-                   for kind in ('positions', 'velocities', 'accelerations')]
-        state = self.arm.state(self.now())
-        self.arm.take(Trajectory([0.0, *time], *(np.vstack([first, column]) for first, column in
-                                                 zip(state, columns))), self.now())
-
-    def publish(self):
-        """Publish one joint state and what an estimator would say of it."""
-        stamp = self._node.get_clock().now().to_msg()
-        q, v, _ = self.arm.state(self.now())
-        message = JointState(name=[JOINTS[i] for i in self.order], position=q[self.order].tolist(),
-                             velocity=v[self.order].tolist(), effort=[0.0] * 6)
-        message.header.stamp = stamp
-        self._states.publish(message)
-        held, zero = load_vector(MASS), np.zeros(10)
-        self._load.publish(inertia_message(zero if self.tared else held, stamp, 'tool0'))
-        self._known.publish(inertia_message(held if self.tared else zero, stamp, 'tool0'))
-        covariance = covariance_of(0.05)
-        self._variance.publish(inertia_message(np.diag(covariance), stamp, 'tool0'))
-        self._covariance.publish(covariance_message(covariance))
-        self._status.publish(DiagnosticStatus(message='DETERMINED', values=[
-            KeyValue(key='load_id', value='1'),
-            KeyValue(key='tared mass [kg]', value=str(MASS * self.tared))]))
-        if self.residuals:
-            self._residual.publish(residual_message(
-                JOINTS, self.arm.residual(self.now()), stamp))
-
-
-def listening(listener, prefix=''):
-    """Return what the controller says, as growing lists."""
-    at = f'{prefix}controller/'
-    return SimpleNamespace(
-        phase=listener.listen(String, f'{at}phase', LATCHED),
-        limits=listener.listen(JointTrajectory, f'{at}motion_limits', LATCHED),
-        thresholds=listener.listen(JointState, f'{at}collision_thresholds', measurement(1000)),
-        collision=listener.listen(Bool, f'{at}collision', LATCHED),
-        diagnostics=listener.listen(DiagnosticArray, '/diagnostics', OUTPUT))
-
-
-def arguments(model_file, **parameters):
-    """Return the command line: short dwells and other parameters."""
-    values = {'model': model_file, 'dwell': 0.3, 'home_dwell': 0.2, 'autostart': 'true',
-              **parameters}
-    return ['--ros-args', '--params-file', CONTROLLER_YAML, *(
-        part for name, value in values.items() for part in ('-p', f'{name}:={value}'))]
-
-
-def phases(heard):
-    return [message.data for message in heard.phase]
-
-
-def brakes(message):
-    """Return whether a trajectory on the way to PICK ends at rest somewhere before."""
-    last = message.points[-1]
-    return not np.any(last.velocities) and np.max(np.abs(np.array(last.positions) - PICK)) > 0.02
 
 
 def test_a_cycle_from_a_late_robot_to_done_and_a_clean_end(listener, start, model_file):
@@ -294,34 +190,6 @@ def test_what_was_tared_is_still_held(listener, start, model_file):
     assert masses and all(mass == pytest.approx(MASS) for mass in masses)
 
 
-def test_mean_and_covariance_of_one_estimate_are_paired_in_any_order():
-    rng = np.random.default_rng(8)
-    estimates = [(k, rng.normal(size=10), covariance_of(0.1 + 0.01 * k)) for k in range(6)]
-    for order in range(20):
-        pairing, found = LoadPairing(), []
-        rng.shuffle(kinds := ['mean', 'variance', 'covariance'])
-        for kind in kinds:
-            for stamp, mean, covariance in estimates:
-                pair = pairing.covariance(covariance) if kind == 'covariance' else getattr(
-                    pairing, kind)(stamp, mean if kind == 'mean' else np.diag(covariance))
-                found += [pair] if pair else []
-        assert found, order
-        for mean, covariance in found:
-            assert any(mean is m and covariance is c or np.array_equal(mean, m)
-                       and np.array_equal(covariance, c) for _, m, c in estimates)
-
-
-def test_a_covariance_of_another_estimate_is_not_taken():
-    pairing = LoadPairing()
-    assert pairing.mean((1, 0), load_vector(2.0)) is None
-    assert pairing.variance((1, 0), np.diag(covariance_of(0.1))) is None
-    assert pairing.covariance(covariance_of(0.1001)) is None
-    mean, covariance = pairing.covariance(covariance_of(0.1))
-    assert mean[0] == 2.0 and covariance[0, 0] == pytest.approx(0.01)
-    assert pairing.unpaired == 1
-    assert pairing.covariance(covariance_of(0.1)) is None, 'each mean is used once'
-
-
 @pytest.mark.parametrize('parameters, said', [
     ({'model': '/nowhere.yaml'}, 'neither a path nor a shipped file'),
     ({'home': '[0.0,0.0]'}, '6 joint positions'),
@@ -331,18 +199,3 @@ def test_wrong_parameters_end_with_a_sentence(start, model_file, parameters, sai
     process = start('controller', *arguments(model_file, **parameters))
     assert process.wait() == 2
     assert said in process.output and 'Traceback' not in process.output
-
-
-def test_messages_carry_what_they_should():
-    trajectory = Trajectory([0.0, 0.5, 1.25], np.arange(6.0).reshape(3, 2),
-                            np.ones((3, 2)), np.full((3, 2), 2.0))
-    message = trajectory_message(('a', 'b'), trajectory)
-    assert list(message.joint_names) == ['a', 'b'] and len(message.points) == 2
-    assert list(message.points[1].positions) == [4.0, 5.0]
-    assert (message.points[1].time_from_start.sec,
-            message.points[1].time_from_start.nanosec) == (1, 250000000)
-    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (0, 0)
-    limits = SimpleNamespace(velocity=np.ones(2), acceleration=np.full(2, 3.0),
-                             deceleration=np.full(2, 4.0))
-    message = limits_message(('a', 'b'), limits, message.header.stamp)
-    assert [list(p.accelerations) for p in message.points] == [[3.0, 3.0], [4.0, 4.0]]

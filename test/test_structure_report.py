@@ -5,10 +5,10 @@ import dataclasses
 import json
 from xml.etree import ElementTree
 
+from diagnose_helpers import assert_structure
+from diagnosis_report_helpers import found, JOINTS, Reader
 import numpy as np
 import pytest
-from diagnose_helpers import assert_structure
-from test_diagnosis_report import found, JOINTS, Reader
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.report.structure_figures import pairs_svg, variables_svg

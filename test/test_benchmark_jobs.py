@@ -1,0 +1,56 @@
+"""Jobs of the benchmark: stored and read again, told where they break, spread over a cluster."""
+
+import math
+import os
+
+import pytest
+
+from hand_load_estimator.benchmark import execute
+from hand_load_estimator.errors import ConfigurationError
+
+
+def test_jobs_are_stored_and_read_again(tmp_path):
+    jobs = {f'n{k}': (k,) for k in (1, 4)}
+    first = execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)
+    assert first == {'n1': 1.0, 'n4': 2.0}
+    (tmp_path / 'n1.json').write_text('"kept"')
+    assert execute.measure_all(math.sqrt, jobs, tmp_path, workers=0)['n1'] == 'kept'
+
+
+def test_a_broken_job_is_told_and_left_out(tmp_path):
+    told = []
+    found = execute.measure_all(math.sqrt, {f'n{k}': (k,) for k in (4, -1)}, tmp_path, 1,
+                                write=told.append)
+    assert found == {'n4': 2.0}
+    assert any('n-1 failed: ValueError' in line for line in told)
+    assert [path.name for path in tmp_path.iterdir()] == ['n4.json']
+    with pytest.raises(ValueError):
+        execute.measure_all(math.sqrt, {'n-1': (-1,)}, tmp_path, workers=0)
+
+
+def test_a_cluster_gives_its_results_to_this_process(tmp_path, monkeypatch):
+    """joblib's loky stands for it: the workers write nothing, and all of them are used."""
+    joblib = pytest.importorskip('joblib', reason='joblib is not installed: no cluster to test')
+    asked, kept = [], execute._keep
+    monkeypatch.setattr(execute, '_keep', lambda *given: asked.append(os.getpid()) or kept(*given))
+    given, config = [], joblib.parallel_config
+    monkeypatch.setattr(joblib, 'parallel_config', lambda **told: given.append(told) or config(
+        **{**told, 'n_jobs': 2}))
+    told, jobs = [], {f'n{k}': (k,) for k in (4, -1, 9)}
+    found = execute.measure_all(math.sqrt, jobs, tmp_path, backend='loky', write=told.append)
+    assert found == {'n4': 2.0, 'n9': 3.0} and asked == [os.getpid()] * 2
+    assert given == [{'backend': 'loky', 'n_jobs': -1}]
+    assert any('n-1 failed: ValueError' in line for line in told)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['n4.json', 'n9.json']
+    # What is there is not measured again, and what failed is tried.
+    (tmp_path / 'n9.json').write_text('"kept"')
+    jobs['n-1'] = (16,)
+    found = execute.measure_all(math.sqrt, jobs, tmp_path, 2, 'loky', told.append)
+    assert found == {'n4': 2.0, 'n-1': 4.0, 'n9': 'kept'} and len(asked) == 3
+
+
+def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
+    import sys
+    monkeypatch.setitem(sys.modules, 'joblib', None)
+    with pytest.raises(ConfigurationError, match='--backend.*joblib'):
+        execute.measure_all(math.sqrt, {'n1': (1,)}, tmp_path, 1, 'dask', lambda text: None)

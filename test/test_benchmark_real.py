@@ -1,0 +1,65 @@
+"""The suite of measured recordings: its errors, who is judged by what, and one set measured."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ros_helpers import ROOT
+
+from hand_load_estimator.benchmark import real
+from hand_load_estimator.benchmark.contestants import (Contestant, NOMINAL, OUR_MODEL, TEXTBOOK,
+                                                       TEXTBOOK_CAREFUL)
+from hand_load_estimator.benchmark.document import to_markdown
+from hand_load_estimator.benchmark.other_pages import real_blocks
+from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.estimators.method import Belief
+
+DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
+
+
+def test_the_error_on_a_recording_is_less_what_the_model_was_identified_with():
+    runs = {'real_a': [{'set': 'a', 'run': 'r', 'truth': 150.0, 'rated': 300.0,
+                        'methods': {'bayes': [None, None, None, None, [153.0, 2.0]]}},
+                       {'set': 'a', 'run': 's', 'truth': 0.0, 'rated': 10.0,
+                        'methods': {'bayes': [None, None, None, None, [0.3, 0.1]]}}]}
+    content = real.real_scores(runs)
+    assert content['methods']['bayes'] == {'runs': 2, 'median_percent': pytest.approx(2.0),
+                                           'worst_percent': pytest.approx(3.0), 'inside': 0.5}
+    assert '+3.000 (2.000)' in to_markdown(real_blocks(content))
+
+
+def test_where_nothing_is_held_ours_are_judged_as_rivals_are():
+    """What is published never weighs less than nothing: half of noise would be gone."""
+    class Noisy:
+        tared = np.zeros(10)
+
+        def belief(self):
+            return Belief(np.r_[-0.01, np.zeros(9)], 1e-4 * np.eye(10))
+
+        def update(self, sample, prediction):
+            return self.belief()
+
+    racing = {'bayes': Contestant(None, lambda _: Noisy())}
+    beliefs = {name: contestant.update(None) for name, contestant in racing.items()}
+    assert beliefs['bayes'].mean[0] >= 0.0
+    assert real.judged(racing, beliefs, 0.0)['bayes'].mean[0] == -0.01
+    assert real.judged(racing, beliefs, 2.6) is beliefs
+
+
+def test_data_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(ConfigurationError, match='--data'):
+        real.real_jobs(tmp_path / 'none', None, tmp_path, None)
+    (tmp_path / 'panda').mkdir()
+    assert list(real.real_jobs(tmp_path, None, tmp_path, None)) == ['real_panda']
+
+
+@pytest.mark.skipif(not (DATA / 'staubli_tx40').is_dir(), reason=f'no recordings at {DATA}')
+def test_a_measured_set_is_identified_and_estimated(tmp_path):
+    (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',))
+    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL, OUR_MODEL}
+    assert found['truth'] == 0.0 and found['rated'] == 1.7
+    mass, std = found['methods']['bayes'][-1]
+    assert abs(mass) < 1.7 and 0.0 < std < 1.0
+    # The nominal model knows no friction: its rival is not given the identified one by mistake.
+    assert found['methods'][NOMINAL][-1] != found['methods'][TEXTBOOK][-1]

@@ -1,0 +1,136 @@
+"""The LSTM as a method: beside Bayes, with its calibration, through changes, resets, restarts."""
+
+from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+from lstm_helpers import artefact_of, loud_network, network_of, pipeline_with
+import numpy as np
+import pytest
+
+from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
+                                                       restore_checkpoint, write_checkpoint)
+from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
+from hand_load_estimator.load import LoadParameters
+
+
+@pytest.fixture(scope='module')
+def robot():
+    return four_axes()
+
+
+@pytest.fixture(scope='module')
+def silent(tmp_path_factory, robot):
+    """Return the artefact of a network that has learnt nothing: all outputs zero."""
+    network = network_of(robot, size=0.0)
+    return artefact_of(tmp_path_factory.mktemp('silent'), robot, network)
+
+
+@pytest.fixture(scope='module')
+def loud(tmp_path_factory, robot):
+    """Return (network, artefact) of a network that speaks on all outputs."""
+    return loud_network(tmp_path_factory.mktemp('loud'), robot)
+
+
+def test_a_network_that_says_nothing_is_bayes(silent):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 4.0)
+    plain = feed(warm(pipeline_of(model)), stream)
+    ours = feed(warm(pipeline_with(model, silent)), stream)
+    for one, other in zip(plain[::10], ours[::10]):
+        np.testing.assert_allclose(one.mean, other.mean, atol=1e-6)
+        np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-4, atol=1e-12)
+
+
+def test_the_network_changes_the_answer(silent, loud):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.5)
+    quiet = feed(warm(pipeline_with(model, silent)), stream)[-1]
+    spoken = feed(warm(pipeline_with(model, loud[1])), stream)[-1]
+    moved = np.abs(spoken.mean - quiet.mean) / quiet.std
+    widened = np.abs(np.log(spoken.std / quiet.std))
+    assert moved.max() > 0.1 and widened.max() > 0.1, (moved, widened)
+    assert np.abs(np.log(spoken.std / quiet.std)).max() > 0.1
+
+
+def test_calibration_scales_standard_deviations(tmp_path, robot, silent):
+    factors = np.linspace(0.8, 2.0, 10)[:, None] * np.ones(len(LEVELS))
+    wide = artefact_of(tmp_path, robot, network_of(robot, size=0.0), factors)
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.0)
+    one, other = (feed(warm(pipeline_with(model, a)), stream)[-1] for a in (silent, wide))
+    np.testing.assert_allclose(other.std / one.std, factors[:, 0], rtol=1e-5)
+    np.testing.assert_array_equal(other.mean, one.mean)
+
+
+def test_factors_follow_how_well_a_parameter_is_determined():
+    factors = np.tile(np.arange(1.0, 7.0), (10, 1))
+    level = level_of(np.full(10, 10.0 ** -1.25), np.ones(10))
+    np.testing.assert_allclose(factors_at(factors, level), 3.5)
+    # Beyond the levels the outermost factors hold.
+    np.testing.assert_allclose(factors_at(factors, np.full(10, -4.0)), 1.0)
+    np.testing.assert_allclose(factors_at(factors, level_of(np.full(10, 3.0), np.ones(10))), 6.0)
+
+
+def test_factors_are_interpolated_linearly_one_row_each():
+    rng = np.random.default_rng(1)
+    factors, level = rng.uniform(0.5, 3.0, (10, len(LEVELS))), rng.uniform(-3.0, 0.5, 10)
+    # Shares by distance are an interpolation at even spacing only.
+    assert np.ptp(np.diff(LEVELS)) == 0.0
+    np.testing.assert_allclose(
+        factors_at(factors, level),
+        [np.interp(x, LEVELS, row) for x, row in zip(level, factors)], rtol=1e-13)
+
+
+def test_a_changed_load_is_noticed_in_step_with_bayes(silent):
+    model = exact_model('four')
+    stream = messages(model, LoadParameters(), 5.0, change=(2.5, block(2.0)))
+    bayes, pipeline = warm(pipeline_of(model)), warm(pipeline_with(model, silent))
+    plain, ours = feed(bayes, stream), feed(pipeline, stream)
+    assert [e.load_id for e in ours] == [e.load_id for e in plain]
+    assert pipeline.load_id > 0
+    # Both regressions must have dropped the same data.
+    np.testing.assert_allclose(ours[-1].mean, plain[-1].mean, atol=1e-5)
+    np.testing.assert_allclose(ours[-1].std, plain[-1].std, rtol=1e-3)
+
+
+def test_reset_and_tare_reach_the_network(silent, loud):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 2.5)
+    for artefact in (silent, loud[1]):
+        pipeline = warm(pipeline_with(model, artefact))
+        fresh = pipeline.estimate(0.0)
+        feed(pipeline, stream)
+        pipeline.reset()
+        np.testing.assert_allclose(pipeline.estimate(0.0).mean, fresh.mean)
+        np.testing.assert_allclose(pipeline.estimate(0.0).covariance, fresh.covariance)
+    pipeline, plain = warm(pipeline_with(model, silent)), warm(pipeline_of(model))
+    for p in (pipeline, plain):
+        feed(p, stream)
+        p.tare(p.last_stamp)
+        feed(p, [type(m)(m.stamp + 3.0, *list(vars(m).values())[1:]) for m in stream])
+    np.testing.assert_allclose(pipeline.estimate(0.0).mean, plain.estimate(0.0).mean, atol=1e-5)
+
+
+def test_the_artefact_runs_with_any_model_of_the_arm(robot, loud):
+    """Another model of the same joints: other effects, other numbers of nuisances."""
+    for model in (exact_model('four'), exact_model('four', ('coulomb_friction',)),
+                  exact_model('four', doubt=0.05)):
+        last = feed(warm(pipeline_with(model, loud[1])), messages(model, block(2.0), 1.5))[-1]
+        assert np.isfinite(last.mean).all() and (last.std > 0.0).all()
+
+
+def test_the_network_goes_on_from_a_checkpoint(robot, loud, tmp_path):
+    model = exact_model('four')
+    old, new = (warm(pipeline_with(model, loud[1])) for _ in range(2))
+    feed(old, messages(model, block(3.0), 3.0))
+    write_checkpoint(tmp_path / 'c', old.state(), belongs_to(old))
+    restore_checkpoint(tmp_path / 'c', new, 60.0)
+    # How far the model is trusted since it settled counts from the next sample on.
+    old.method._learned.update_posterior()
+    before, after = old.method.belief(), new.method.belief()
+    std = np.sqrt(np.diag(before.covariance))
+    np.testing.assert_allclose(after.mean / std, before.mean / std, atol=1e-3)
+    np.testing.assert_allclose(after.covariance / np.outer(std, std),
+                               before.covariance / np.outer(std, std), atol=1e-3)
+    assert new.method.state()['memory'].any()
+    other = artefact_of(tmp_path / 'b', robot, network_of(robot, seed=2))
+    with pytest.raises(CheckpointError, match='another learned artefact'):
+        restore_checkpoint(tmp_path / 'c', pipeline_with(model, other), 60.0)

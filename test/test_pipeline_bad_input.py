@@ -1,0 +1,129 @@
+"""The whole estimator on bad input: garbled messages, gaps, missing readings, another clock."""
+
+from dataclasses import replace
+
+from core_helpers import block, exact_model, feed, Message, messages, pipeline_of, warm
+import numpy as np
+from pipeline_helpers import MASS, within
+import pytest
+
+NAN = float('nan')
+
+
+@pytest.fixture(scope='module')
+def model():
+    return exact_model('four')
+
+
+@pytest.fixture(scope='module')
+def stream(model):
+    return messages(model, block(MASS), 5.0)
+
+
+@pytest.fixture(scope='module')
+def clean(model, stream):
+    """Return the estimates of the undisturbed stream."""
+    return feed(warm(pipeline_of(model)), stream)
+
+
+def _garble(m, rng):
+    """Return bad versions of a message, all at its time."""
+    n = len(m.names)
+    return [Message(m.stamp, m.names, np.full(n, NAN), m.velocity, m.effort),
+            Message(m.stamp, m.names, m.position[:2], m.velocity, m.effort),
+            Message(m.stamp, m.names[:2], m.position[:2], m.velocity[:2], m.effort[:2]),
+            Message(m.stamp, m.names, m.position, m.velocity, np.array([])),
+            Message(m.stamp - 0.1, m.names, m.position, m.velocity, m.effort),
+            Message(NAN, m.names, m.position, m.velocity, m.effort),
+            Message(m.stamp, m.names, m.position, m.velocity + 1e3, m.effort),
+            Message(m.stamp, ('finger',), np.ones(1), np.ones(1), np.ones(1)),
+            Message(m.stamp, (), np.array([]), np.array([]), np.array([]))]
+
+
+def test_bad_messages_between_good_ones_change_nothing_and_are_counted(model, stream, clean):
+    rng, mixed = np.random.default_rng(1), []
+    for k, m in enumerate(stream):
+        mixed.append(m)
+        if k % 40 == 20:
+            mixed += [*_garble(m, rng), m]
+    pipeline = warm(pipeline_of(model))
+    estimates = feed(pipeline, mixed)
+    assert len(estimates) == len(clean)
+    np.testing.assert_array_equal(estimates[-1].mean, clean[-1].mean)
+    times = sum(1 for k in range(len(stream)) if k % 40 == 20)
+    assert pipeline.rejected == {
+        'not_finite': 2 * times, 'short_arrays': 2 * times, 'missing_joint': times,
+        'backward_stamp': times, 'implausible_velocity': times, 'repeated_stamp': times}
+    assert pipeline.samples == len(stream)
+
+
+def test_joints_in_another_order_with_prefix_and_companions_are_the_same(model, stream, clean):
+    def other(m):
+        order = [2, 0, 3, 1]
+        names = ('left_gripper', *(f'left_{m.names[k]}' for k in order))
+        return Message(m.stamp, names, *(np.concatenate([[9.0], getattr(m, name)[order]])
+                                         for name in ('position', 'velocity', 'effort')))
+    pipeline = warm(pipeline_of(model))
+    estimates = feed(pipeline, [other(m) for m in stream])
+    np.testing.assert_array_equal(estimates[-1].mean, clean[-1].mean)
+    assert not pipeline.rejected
+
+
+@pytest.mark.parametrize('first, length', [(250, 60), (250, 15), (80, 100)])
+def test_a_gap_in_the_data_is_survived(model, stream, first, length):
+    pipeline = warm(pipeline_of(model))
+    estimates = feed(pipeline, stream[:first] + stream[first + length:])
+    assert within(estimates[-1], block(MASS)) and pipeline.load_id == 0
+    assert pipeline.rejected == ({'gap': 1} if length > 25 else {})
+
+
+def test_without_velocities_and_temperatures_the_answer_is_wider_and_right(model, stream, clean):
+    pipeline = pipeline_of(model)
+    estimates = feed(pipeline, [replace(m, velocity=np.array([])) for m in stream])
+    assert within(estimates[-1], block(MASS)) and not pipeline.rejected
+    assert estimates[-1].std[0] > clean[-1].std[0]
+
+
+def test_temperature_that_is_not_measured_widens_the_variance(model):
+    """Cold joints and no sensor: the friction is off by what it is at 12 K, and says so."""
+    hot = messages(model, block(MASS), 5.0, temperature=37.0)
+    blind, told = feed(pipeline_of(model), hot), feed(warm(pipeline_of(model), 37.0), hot)
+    assert within(blind[-1], block(MASS)) and within(told[-1], block(MASS))
+    soon = [next(e for e in run if e.stamp > 101.3).std[0] for run in (blind, told)]
+    assert soon[0] > 1.1 * soon[1]
+
+
+def test_e3_1_told_temperatures_take_out_what_they_do_to_friction(model):
+    """A hot arm whose sensors say so, and the same arm taken for one at 25 degC."""
+    errors = {45.0: [], 25.0: []}
+    for seed in range(5):
+        hot = messages(model, block(MASS), 3.0, seed=seed, temperature=45.0)
+        for celsius, found in errors.items():
+            last = feed(warm(pipeline_of(model), celsius), hot)[-1]
+            found.append(last.mean[0] - MASS)
+            assert celsius == 25.0 or abs(found[-1]) < 3.5 * last.std[0]
+    told, mistaken = (np.sqrt(np.mean(np.square(found))) for found in errors.values())
+    assert mistaken > 2.0 * told, (told, mistaken)
+
+
+def test_a_restarted_clock_goes_on(model, stream):
+    pipeline = warm(pipeline_of(model))
+    again = [replace(m, stamp=m.stamp - 90.0) for m in stream]
+    estimates = feed(pipeline, stream + again)
+    assert pipeline.rejected == {'clock_restart': 1} and pipeline.load_id == 0
+    assert within(estimates[-1], block(MASS)) and estimates[-1].status == 'DETERMINED'
+    assert pipeline.estimate(again[-1].stamp).status == 'DETERMINED'
+
+
+def test_a_change_before_the_clock_restarted_is_not_news_for_ever(model):
+    """LOAD_CHANGED is said for a second; stamps that begin anew must not prolong it."""
+    changing = messages(model, block(1.0), 5.0, change=(3.0, block(3.0)))
+    again = [replace(m, stamp=m.stamp - 90.0) for m in
+             messages(model, block(3.0), 5.0, seed=3)]
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, changing)
+    assert pipeline.load_id > 0
+    ids = pipeline.load_id
+    late = feed(pipeline, again)[-50:]
+    assert pipeline.load_id == ids
+    assert {e.status for e in late} == {'DETERMINED'}
