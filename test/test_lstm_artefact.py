@@ -29,7 +29,7 @@ def wreck(folder, how):
     weights, card = folder / 'lstm.safetensors', folder / 'card.json'
     content = json.loads(card.read_text())
     changes = {'joints': ['a', 'b', 'c', 'd'], 'effort_kind': 'motor_current',
-               'schema': 'hand_load/learned/9', 'places': None}
+               'schema': 'hand_load/learned/9', 'places': None, 'inputs': ['q', 'v']}
     if how in changes:
         card.write_text(json.dumps({**content, how: changes[how]}))
     elif how == 'card is a list':
@@ -72,8 +72,8 @@ def _write(path, tensors):
 
 
 @pytest.mark.parametrize('how', [
-    'joints', 'effort_kind', 'schema', 'places', 'card is a list', 'joints are a number',
-    'card is no JSON', 'no card', 'no weights', 'weights cut', 'weights are noise',
+    'joints', 'effort_kind', 'schema', 'places', 'inputs', 'card is a list',
+    'joints are a number', 'card is no JSON', 'no card', 'no weights', 'weights cut', 'weights are noise',
     'a tensor missing', 'a tensor of another shape', 'a tensor of another rank', 'a NaN',
     'a calibration of nothing'])
 def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
