@@ -8,6 +8,7 @@ import numpy as np
 from ..effects import EFFECTS
 from ..effects.knee import KNEE, shows
 from ..effects.own_travel import OWN_TRAVEL
+from ..effects.stribeck_friction import VELOCITY_RANGE
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
@@ -24,7 +25,7 @@ OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 # Large ones tell more of their curves than the plainest: how a Stribeck peak falls (measured:
 # exponents of 1.3) and warms, how much a lubricant thins.
 FORMS = {'stribeck_friction': {'exponent': (1.0, 1.3, 1.7),
-                               'velocity_range': (np.inf, 80.0, 30.0)},
+                               VELOCITY_RANGE.name: (np.inf, 80.0, 30.0)},
          'shear_thinning_friction': {'exponent': (1.0, 0.75, 0.5)}}
 # Link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
@@ -172,10 +173,10 @@ def reshaped(hypothesis, factors, model, residual):
     shapes = [{**hypothesis.shape, **{
         name: max(value * factor, LEAST_POWER) if name == 'power' else value * factor
         for (name, value), factor in zip(there, those)}} for those in factors]
-    return _of_shapes(hypothesis, shapes, model, residual)
+    return of_shapes(hypothesis, shapes, model, residual)
 
 
-def _of_shapes(hypothesis, shapes, model, residual):
+def of_shapes(hypothesis, shapes, model, residual):
     """Return the same Hypothesis with each of other shapes."""
     j = hypothesis.joint
     if j is None:
@@ -194,13 +195,19 @@ def _of_shapes(hypothesis, shapes, model, residual):
             for own, shape in zip(columns, shapes)]
 
 
-def other_forms(hypothesis, model, residual):
-    """Return the Hypotheses that differ from one of FORMS in the form of its curve."""
+def other_forms(hypothesis, model, residual, warmed):
+    """
+    Return the Hypotheses that differ from one of FORMS in the form of its curve.
+
+    warmed: whether the joint's temperature has changed enough to tell what it does.
+    """
     here, velocity = hypothesis.shape, EFFECTS[hypothesis.name].shapes[0]
     # The velocity that goes with another form may be far from the one that goes with this.
     forms = {velocity.name: (here[velocity.name], *velocity.grid), **FORMS[hypothesis.name]}
+    if not warmed:
+        forms.pop(VELOCITY_RANGE.name, None)
     shapes = [{**here, **dict(zip(forms, values))} for values in product(*forms.values())]
-    return _of_shapes(hypothesis, [shape for shape in shapes if shape != here], model, residual)
+    return of_shapes(hypothesis, [shape for shape in shapes if shape != here], model, residual)
 
 
 def other_ways(hypothesis, model, residual):
@@ -212,7 +219,7 @@ def other_ways(hypothesis, model, residual):
         powers = PRESLIDING_POWERS if 'power' in hypothesis.shape else (np.inf,)
         ways = [{name: value for name, value in (('travel', travel), ('power', power))
                  if name in hypothesis.shape} for travel, power in product(OWN_TRAVELS, powers)]
-    return _of_shapes(hypothesis, [{**hypothesis.shape, **way} for way in ways], model, residual)
+    return of_shapes(hypothesis, [{**hypothesis.shape, **way} for way in ways], model, residual)
 
 
 def _of_link(residual, j, std):

@@ -8,20 +8,16 @@ than any effect is taken as `unknown`.
 """
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
-from .blocks import Blocks
 from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
 from .diagnosis import UNKNOWN
-from .hypotheses import FORMS, hypotheses, ONE_CAUSE, other_forms, other_ways, reshaped, turned
-from .hypothesis import physical, price, refinable, searched, turns
-from .shape_fit import settled
+from .finer_shape import finer, rank, search_around
+from .hypotheses import hypotheses, ONE_CAUSE, turned
+from .hypothesis import physical, price
 
 ROUNDS = 10
-# How friction turns and falls is asked of effects that gain so much [nats].
-PLENTY = 200.0
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
 # of the model's noise.
 LEAST_GAIN, LEAST_RMS = 25.0, 0.5
@@ -69,7 +65,8 @@ class Trace:
             step = self._round()
             if step is None:
                 break
-            step = replace(step, chosen=self._shaped(step.chosen))
+            step = replace(step, chosen=finer(step.chosen, self.blocks, self._model,
+                                              self._residual, self._warmed))
             found = self.drifted if self._expected(step.chosen) else self.steps
             found.append(step)
             self._take(step.chosen)
@@ -217,7 +214,7 @@ class Trace:
             score = self.blocks.evaluate(hypothesis.columns)
             tried += hypothesis.trials
             known = fresh.get(hypothesis.key)
-            if known is None or _rank(hypothesis, score) > _rank(
+            if known is None or rank(hypothesis, score) > rank(
                     *known, price(hypothesis, known[0])):
                 fresh[hypothesis.key] = hypothesis, score
         for key, pair in fresh.items():
@@ -234,47 +231,7 @@ class Trace:
                        key=lambda pair: pair[1].gain), 1
         if score.gain < LEAST_GAIN:
             return (hypothesis, score), 0
-        return self._searched((hypothesis, score), self.blocks)
-
-    def _shaped(self, candidate):
-        """
-        Return a chosen Candidate with the finer shape that a large one tells.
-
-        How friction turns shows in reversals, which all other comparisons leave out. Its form and
-        the way it turns make up for one another: the one is asked again with the other.
-        """
-        r, (plain, _) = self._residual, candidate.parts[0]
-        forms = [other_forms] if plain.name in FORMS else []
-        finer = [*forms, other_ways, *forms] if turns(plain) else forms
-        if candidate.gain < PLENTY or not finer:
-            return candidate
-        blocks = self.blocks if not turns(plain) else Blocks(
-            r.residual, r.turning, self.blocks.nuisances, r.starts, r.folds, r.cut.groups)
-        best = plain, blocks.evaluate(plain.columns)
-        for others in finer:
-            pairs = [best, *((trial, blocks.evaluate(trial.columns))
-                             for trial in others(best[0], self._model, r))]
-            # A shape that is not there without need must pay for itself.
-            best = max(pairs, key=lambda pair: _rank(*pair, -price(pair[0], plain)))
-            best, _ = self._searched(best, blocks)
-        return single(best[0], self.blocks.evaluate(best[0].columns))
-
-    def _searched(self, best, blocks):
-        """Return a pair with its shape searched around what it is, number of trials."""
-        if not refinable(best[0]):
-            return best, 0
-        count = 0
-        for step in (1.25, 1.12):
-            # Parameters that make up for one another are found together only.
-            factors = [those for those in product((1.0 / step, 1.0, step),
-                                                  repeat=len(searched(best[0])))
-                       if set(those) != {1.0}]
-            tried = [(trial, blocks.evaluate(trial.columns)) for trial in
-                     reshaped(best[0], factors, self._model, self._residual)]
-            best = max([best, *tried], key=lambda pair: _rank(*pair))
-            count += len(tried)
-        best, more = settled(*best, blocks, self._model, self._residual, _rank)
-        return best, count + more
+        return search_around((hypothesis, score), self.blocks, self._model, self._residual)
 
     def _take(self, chosen):
         for hypothesis, _ in chosen.parts:
@@ -283,9 +240,3 @@ class Trace:
         self._taken |= {h.key for h, _ in chosen.parts}
         self._scores = {key: pair for key, pair in self._scores.items()
                         if not touched & set(pair[0].columns)}
-
-
-def _rank(hypothesis, score, more=0.0):
-    """Return what the better of two shapes has more of: sense, then nats."""
-    # Of a short delay only its product with the share shows: the share is to be a whole.
-    return hypothesis.name != 'time_delay' or physical(hypothesis, score, None), score.gain + more
