@@ -90,7 +90,7 @@ class ShownFriction:
 
 
 class ShownStream:
-    """What ShownFriction gives sample by sample, for every place that is asked for."""
+    """What ShownFriction gives sample by sample, for all places that are asked for at once."""
 
     def __init__(self):
         self.restart()
@@ -103,16 +103,14 @@ class ShownStream:
         """Return shown(joints, travels, powers, *peak) of EffectInput at a motion (n,)."""
         raw, known = (*unfiltered(q, v, a, jerk), dt, warmth), {}
 
-        def one(*place):
-            if place not in known:
-                state = self._places.setdefault(place, ShownFriction(*np.array([place]).T))
-                known[place] = state.update(*raw)[0]
-            return known[place]
-
         def shown(*places):
             several = np.broadcast_arrays(*map(np.atleast_1d, places))
-            found = np.array([[one(*place) for place in zip(*several)]])
-            return found if any(map(np.ndim, places)) else found[:, 0]
+            key = tuple(map(bytes, several))
+            if key not in known:
+                if key not in self._places:
+                    self._places[key] = ShownFriction(*several)
+                known[key] = self._places[key].update(*raw)[None]
+            return known[key] if any(map(np.ndim, places)) else known[key][:, 0]
         return shown
 
 

@@ -2,7 +2,9 @@
 The Stribeck curve: what is left of breakaway friction as lubrication builds up with speed.
 
 Bittencourt and Axelsson (2014) measured exp(-(|v| / v_s)^alpha) at joints of industrial robots,
-with alpha about 1.3 and a Stribeck velocity v_s that rises as the grease warms.
+with alpha about 1.3 and a Stribeck velocity v_s that rises as the grease warms, in a straight
+line. Here it rises as an exponential of the warmth, which stays positive when it is cold; beyond
+the temperatures that it was found at either is a guess.
 """
 
 import numpy as np

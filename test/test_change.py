@@ -252,12 +252,12 @@ def test_the_kept_sum_is_the_sum_of_the_pieces():
 @pytest.mark.parametrize('weight', [60.0, 75.0, 1000.0])
 def test_what_is_taken_back_holds_nothing_of_the_other_load(weight):
     """The less a change stands out, the further back it lies when it is seen."""
-    rng, regression = np.random.default_rng(5), LoadRegression(load_prior(ur10e()), 6, 1)
+    rng, regression = np.random.default_rng(5), LoadRegression(load_prior(ur10e()), 6, 18)
     held, other = (block(mass).to_products() for mass in (3.0, 3.12))
 
     def take(products, begin, seconds):
         for stamp in np.arange(begin, begin + seconds, 0.02):
-            columns = rng.normal(size=(6, 11))
+            columns = rng.normal(size=(6, 28))
             regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
                            columns[:, :10] @ products, np.full(6, weight))
             regression.look_for_change()

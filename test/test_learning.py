@@ -9,7 +9,7 @@ from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.learning import calibration
 from hand_load_estimator.learning.calibration import calibrate, held_out_scores, TOLD
-from hand_load_estimator.learning.features import feature_count, features
+from hand_load_estimator.learning.features import feature_count, features, INPUTS
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.objective import answers, divergence, JUDGED, LABEL_STD
@@ -158,6 +158,8 @@ def test_features_one_by_one(batch):
               *(np.maximum(np.log(std[..., k, None]) / 5.0, -1.4) + 0.0 * q for k in range(10)),
               np.ones_like(q)]
     assert got.shape == (*batch, n, feature_count(n))
+    # One entry of the card stands for which joint, one for ten standard deviations.
+    assert len(INPUTS) - 2 + n + 10 == feature_count(n)
     np.testing.assert_allclose(got, np.stack(wanted, axis=-1), rtol=1e-13, atol=1e-15)
 
 

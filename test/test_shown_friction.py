@@ -17,7 +17,8 @@ from hand_load_estimator.stribeck_curve import left
 from hand_load_estimator.torque_columns import motion_input, torque_columns
 
 TRAVEL, POWER, VELOCITY = 1e-3, 2.0, 0.08
-OWN = {'travel': 3e-3, 'power': 2.0, 'stribeck_velocity': 0.08}
+OWN = {'travel': 3e-3, 'power': 2.0, 'stribeck_velocity': 0.08, 'exponent': 1.4,
+       'velocity_range': 30.0}
 
 
 def contacts(q, v):
@@ -105,7 +106,8 @@ def test_online_is_as_offline_and_a_file_keeps_it(name, values, tmp_path):
     model = model_with(four_axes(), (name,), {name: values}, OWN)
     write_model(tmp_path / 'model.yaml', model)
     model = read_model(tmp_path / 'model.yaml')
-    assert all(use.shape['travel'] == 3e-3 for use in model.uses if use.name == name)
+    for use in (u for u in model.uses if u.name == name):
+        assert use.shape == {figure: OWN[figure] for figure in use.shape}
     samples = filtered(3.0, 125.0)
     motion, x, held = along(model, samples)
     whole = torque_columns(model.robot, model.layout, x, model.mean, motion.dt) @ model.mean

@@ -38,7 +38,9 @@ MEMORY = 30.0
 # Whether a load has changed is asked with the factor of so many pieces ago: a change that is not
 # noticed yet looks like a model that does not foretell.
 BEFORE = 34
-# Innovations below this share of what is stated: the arm is as healthy as its model.
+# Innovations below this share of what is stated, in which 1 is exactly as stated: surely none of
+# the joints ails. Models whose doubt is wide say so of healthy arms; a model that is exact hardly
+# ever does, and asks the joints first.
 FORETOLD = 0.8
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
 STUDENT = 1.21

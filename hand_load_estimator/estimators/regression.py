@@ -244,21 +244,17 @@ class LoadRegression:
         split = self._recent.split(count)
         if split is None:
             return False
-        evidence = self._evidence_of(split)
+        (older, recent), belief = split, self._older_belief(split[0])
+        evidence = log_bayes_factor(recent, *belief, self.change)
         # A slip may show in one joint only. Where the model has foretold the torques that well,
         # a joint that suddenly is another is less likely still.
-        return evidence > needed and (self.trust.foretold_before()
-                                      or evidence > self._evidence_of_a_joint(split))
+        return evidence > needed and (self.trust.foretold_before() or evidence
+                                      > strongest_joint(recent, *belief, self._joints))
 
     def _evidence_of(self, split):
         """Return the log Bayes factor of a changed load between (older, recent) Information."""
         older, recent = split
         return log_bayes_factor(recent, *self._older_belief(older), self.change)
-
-    def _evidence_of_a_joint(self, split):
-        """Return the log Bayes factor of one changed joint instead, the likeliest."""
-        older, recent = split
-        return strongest_joint(recent, *self._older_belief(older), self._joints)
 
     def _pieces_since_change(self):
         """Return how many pieces are most likely another load's, and the one it came in."""

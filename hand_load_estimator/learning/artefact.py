@@ -58,8 +58,10 @@ def read_artefact(folder, robot):
     card, tensors = read_files(folder, WEIGHTS)
     check_card(folder, card, robot, NETWORK)
     if card.get('inputs') != list(INPUTS):
-        raise ConfigurationError(folder / CARD, 'was trained on other inputs', card.get('inputs'),
-                                 'those of learning/features.py', 'train it again')
+        raise ConfigurationError(
+            folder / CARD, 'was trained on other inputs' if 'inputs' in card else
+            'does not say what inputs it was trained on', card.get('inputs'),
+            'those of learning/features.py', 'train it again')
     _check_tensors(folder, tensors, robot)
     calibration = tensors.pop('calibration').astype(float)
     return Artefact({k: v.astype(float) for k, v in tensors.items()}, calibration, card)
