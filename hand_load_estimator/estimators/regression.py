@@ -244,7 +244,7 @@ class LoadRegression:
         split = self._recent.split(count)
         if split is None:
             return False
-        (older, recent), belief = split, self._older_belief(split[0])
+        recent, belief = split[1], self._older_belief(split[0])
         evidence = log_bayes_factor(recent, *belief, self.change)
         # A slip may show in one joint only. Where the model has foretold the torques that well,
         # a joint that suddenly is another is less likely still.
