@@ -11,7 +11,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
 
+from hand_load_estimator.identification import nominal_model
 from hand_load_estimator.load import products_from_message
+from hand_load_estimator.model_file import write_model
 from hand_load_estimator.nodes.estimate_messages import (covariance_message, inertia_message,
                                                          residual_message)
 from hand_load_estimator.nodes.qos import LATCHED, measurement, OUTPUT
@@ -95,6 +97,13 @@ def listening(listener, prefix=''):
         thresholds=listener.listen(JointState, f'{at}collision_thresholds', measurement(1000)),
         collision=listener.listen(Bool, f'{at}collision', LATCHED),
         diagnostics=listener.listen(DiagnosticArray, '/diagnostics', OUTPUT))
+
+
+def plain_model(folder):
+    """Return the path of a torque model of the UR10e without friction, written to a folder."""
+    path = folder / 'plain.yaml'
+    write_model(path, nominal_model(MODEL.robot, 0.02 * FakeModel.noise ** 2))
+    return path
 
 
 def arguments(model_file, **parameters):

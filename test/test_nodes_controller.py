@@ -2,9 +2,9 @@
 
 import signal
 
-from control_helpers import FakeModel, PICK
+from control_helpers import PICK
 from controller_helpers import (arguments, brakes, JOINTS, listening, MASS, MODEL, phases,
-                                Robot)
+                                plain_model, Robot)
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Inertia, InertiaStamped
 import numpy as np
@@ -14,17 +14,12 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
 
-from hand_load_estimator.identification import nominal_model
-from hand_load_estimator.model_file import write_model
 from hand_load_estimator.nodes.qos import LATCHED, OUTPUT
 
 
 @pytest.fixture(scope='module')
 def model_file(tmp_path_factory):
-    """Return the path of a torque model of the UR10e without friction."""
-    path = tmp_path_factory.mktemp('model') / 'plain.yaml'
-    write_model(path, nominal_model(MODEL.robot, 0.02 * FakeModel.noise ** 2))
-    return path
+    return plain_model(tmp_path_factory.mktemp('model'))
 
 
 def test_a_cycle_from_a_late_robot_to_done_and_a_clean_end(listener, start, model_file):

@@ -2,12 +2,8 @@
 
 import signal
 
-from control_helpers import FakeModel
-from controller_helpers import arguments, listening, MODEL, phases, Robot
+from controller_helpers import arguments, listening, phases, plain_model, Robot
 import pytest
-
-from hand_load_estimator.identification import nominal_model
-from hand_load_estimator.model_file import write_model
 
 INPUTS = ('joint_states', 'estimator/load', 'estimator/load_variance', 'estimator/load_covariance',
           'estimator/status', 'estimator/residual_torque', 'estimator/known_load')
@@ -15,10 +11,7 @@ INPUTS = ('joint_states', 'estimator/load', 'estimator/load_variance', 'estimato
 
 @pytest.fixture(scope='module')
 def model_file(tmp_path_factory):
-    """Return the path of a torque model of the UR10e without friction."""
-    path = tmp_path_factory.mktemp('model') / 'plain.yaml'
-    write_model(path, nominal_model(MODEL.robot, 0.02 * FakeModel.noise ** 2))
-    return path
+    return plain_model(tmp_path_factory.mktemp('model'))
 
 
 def test_every_topic_may_be_remapped(listener, start, model_file):
