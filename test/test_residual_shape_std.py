@@ -26,6 +26,7 @@ def case(q, v, residual, weights):
 
 def std_of(name, shape, blocks, residual):
     effect = EFFECTS[name]
+    shape = {**effect.default_shape(), **shape}
     columns = effect.columns(residual.x, 0, shape)
     hypothesis = Hypothesis(name, 0, {0: columns}, np.ones(columns.shape[1]), shape)
     return shape_std(hypothesis, blocks, MODEL, residual)
