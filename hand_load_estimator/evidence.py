@@ -18,16 +18,14 @@ class Evidence:
     One recording made ready, or a part of it: name of the recording, Motion, torque less the known
     load's (N, n) [Nm].
 
-    held (N, n) [Nm]: the known load's torque, which drives and gears carry all the same, or None;
-    load: LoadParameters declared; messages (M,) uint64: of the whole recording, as of
-    recording_mark.message_digests, none where it is not on disk; rejected {reason: count}: input
-    of the whole recording that was not used.
+    load: LoadParameters declared, which drives and gears carry all the same; messages (M,)
+    uint64: of the whole recording, as of recording_mark.message_digests, none where it is not on
+    disk; rejected {reason: count}: input of the whole recording that was not used.
     """
 
     name: str
     motion: object
     torque: np.ndarray
-    held: np.ndarray | None = None
     load: LoadParameters = field(default_factory=LoadParameters)
     messages: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint64))
     rejected: dict = field(default_factory=dict)
@@ -53,4 +51,4 @@ def prepare(robot, name, motion, load, recording=None):
     if load.mass == 0.0:
         return Evidence(name, motion, torque, messages=messages)
     held = robot.load_columns(shown_links(robot, motion)) @ load.to_products()
-    return Evidence(name, motion, torque - held, held, load, messages)
+    return Evidence(name, motion, torque - held, load, messages)

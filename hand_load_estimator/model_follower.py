@@ -11,7 +11,8 @@ from .load import products_from_message
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
 from .shown_friction import ShownStream
-from .shown_links import shown_links
+from .shown_gear import shown_side, shown_size
+from .shown_links import shown_links_and_way
 from .torque_columns import real_torque, torque_columns, warmth_of
 from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .torque_noise import SampleNoise
@@ -27,7 +28,8 @@ class Prediction:
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
     the model's own unit-variance uncertainties do to the torque, as it states them; z, doubt
-    (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that.
+    (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that;
+    friction (n,) [Nm]: the level that a joint which stands can hold, as its gear is loaded now.
     An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
     the difference beside the load and column_scale (r,) of model_columns are what it counts.
     """
@@ -38,6 +40,7 @@ class Prediction:
     z: np.ndarray
     doubt: np.ndarray
     stuck: np.ndarray
+    friction: np.ndarray
     density: np.ndarray
     column_scale: np.ndarray
 
@@ -101,12 +104,18 @@ class ModelFollower:
         if self.model.layout.needs & {'gear', 'play'}:
             self._carried = products_from_message(belief.mean) + method.tared + beside
 
-    def _believed(self, x):
-        """Return the torque (n,) [Nm] of what is believed to be held."""
-        if not self.model.layout.needs or not self._carried.any():
-            return 0.0
+    def _gear(self, x):
+        """
+        Return the torque (n,) [Nm] of what is believed to be held, and gear, gear_way (n,) of
+        EffectInput with it; no torques where the model has no effect that depends on them.
+        """
+        if not self.model.layout.needs:
+            return 0.0, (0.0, 0.0)
         robot = self.model.robot
-        return robot.load_columns(shown_links(robot, x)[0]) @ self._carried
+        ways = [columns[0] for columns in shown_links_and_way(robot, x)]
+        held = [robot.load_columns(columns) @ self._carried for columns in ways]
+        return held[0], [columns @ self.model.mean[:10 * robot.n] + torque
+                         for columns, torque in zip(ways, held)]
 
     def _columns(self, x, dt, believed):
         model = self.model
@@ -134,7 +143,7 @@ class ModelFollower:
         x = EffectInput(
             *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), shown=shown,
             jerk=None if sample.jerk is None else sample.jerk[None])
-        believed = self._believed(x)
+        believed, gear = self._gear(x)
         columns = self._columns(x, sample.dt, believed)
         difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
         known = np.isfinite(sample.temperature)
@@ -142,8 +151,7 @@ class ModelFollower:
             self._known, self._drift = known, drift_std(self.model, known)
         nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
-        level = self._friction + self._gear_friction * np.abs(
-            columns[0, :, :10 * robot.n] @ self.model.mean[:10 * robot.n] + believed)
+        level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
         stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
         # Identification measured the residual's density; sampled more rarely it has more.
@@ -154,26 +162,28 @@ class ModelFollower:
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed)
+            load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed,
+                                                gear)
             load = load + self._late_load.change(load, sample.dt)
             difference = difference - turned
-        return Prediction(difference, load, nuisances, z, doubt, stuck, density,
+        return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
                           self.column_scale)
 
 
-def load_through_effects(model, columns, load, sample, x, believed):
+def load_through_effects(model, columns, load, sample, x, believed, gear):
     """
     Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
 
     columns Y (n, P), load K (n, 10) and EffectInput x at a MotionSample; believed (n,)
-    [Nm]: torque of the load that is thought to be held. A wrong gain scales the load's torque too,
+    [Nm]: torque of the load that is thought to be held; gear: gear and gear_way (n,) of
+    EffectInput with it. A wrong gain scales the load's torque too,
     friction grows with it, a leaning base turns its weight. LateRows adds what a delay does. The
     torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
     torque round: there |gear + load| is not |gear| and something.
     """
     robot, gain = model.robot, np.ones(model.robot.n)
-    gear = columns[:, :10 * robot.n] @ model.mean[:10 * robot.n]
-    side = np.sign(gear + believed)
+    side = shown_side(*gear)
+    bent = shown_size(*gear) - side * believed
     leaning, turned = np.zeros_like(load), np.zeros(robot.n)
     warmth = warmth_of(robot, sample.temperature)
     for use, where in model.slices():
@@ -185,7 +195,7 @@ def load_through_effects(model, columns, load, sample, x, believed):
         elif use.name == 'load_dependent_friction':
             against = value[0] * direction(x, j, use.shape)[0]
             gain[j] += side[j] * against
-            turned[j] += (side[j] * gear[j] - np.abs(gear[j])) * against
+            turned[j] += bent[j] * against - value[0] * columns[j, where.start]
         elif use.name == 'base_tilt':
             leaning = np.einsum('a,ajk->jk', value,
                                 robot.tilted_load_columns(sample.q, value))

@@ -25,7 +25,7 @@ class System:
         inputs = [motion_input(robot, e.motion, distance, power) for e in evidence]
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
-            torque_columns(robot, layout, x, mean, e.motion.dt, e.held)
+            torque_columns(robot, layout, x, mean, e.motion.dt, e.load)
             for (x, _), e in zip(inputs, evidence)])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])

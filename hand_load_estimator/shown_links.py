@@ -25,15 +25,22 @@ def shown_links(robot, motion):
 
     Without a jerk the motion went through no filter, and the same is Y.
     """
+    return shown_links_and_way(robot, motion)[0]
+
+
+def shown_links_and_way(robot, motion):
+    """Return F[Y] and how far Y goes either way within the filter: s Y', (N, n, 10 n) each."""
     rows = zip(motion.q, motion.v, motion.a)
     if motion.jerk is None:
-        return np.array([robot.link_regressor(*row) for row in rows])
-    return np.array([_mean_around(robot.link_regressor, *row)
-                     for row in zip(rows, motion.jerk)])
+        links = np.array([robot.link_regressor(*row) for row in rows])
+        return links, np.zeros_like(links)
+    ends = [_ends(robot.link_regressor, *row) for row in zip(rows, motion.jerk)]
+    after, before = np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
+    return 0.5 * (after + before), 0.5 * (after - before)
 
 
-def _mean_around(regressor, motion, jerk):
+def _ends(regressor, motion, jerk):
     q, v, a = motion
     q_way, v_way, a_way = SPREAD * v, SPREAD * a, SPREAD * jerk
-    return 0.5 * (regressor(q + q_way, v + v_way, a + a_way)
-                  + regressor(q - q_way, v - v_way, a - a_way))
+    return (regressor(q + q_way, v + v_way, a + a_way),
+            regressor(q - q_way, v - v_way, a - a_way))

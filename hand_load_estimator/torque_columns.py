@@ -13,7 +13,7 @@ from .effects import EFFECTS, EffectInput
 from .play import play_along
 from .presliding import presliding_path
 from .shown_friction import shown_along
-from .shown_links import shown_links
+from .shown_links import shown_links_and_way
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
@@ -137,7 +137,7 @@ class ColumnLayout:
 
 
 # Inputs of effects that follow from the other columns.
-_TORQUES = frozenset({'gear', 'drive', 'rate', 'tilt', 'late', 'play'})
+_TORQUES = frozenset({'gear', 'gear_way', 'drive', 'rate', 'tilt', 'late', 'play'})
 
 
 class _Groups:
@@ -166,31 +166,43 @@ class _Groups:
                  for effect, joints, shape in self._groups], axis=1)
 
 
-def torque_columns(robot, layout, x, mean=None, dt=None, held=None, before=None,
+def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
                    teeth=(None, 0.0)):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
-    between the samples, without which torques stand still; held (N, n) [Nm]: torque of a known
-    load, which the drives and gears carry too; before: (torque (M, n) [Nm], dt (M,) [s]):
+    between the samples, without which torques stand still; load: LoadParameters that drives and
+    gears are known to carry too, or None; before: (torque (M, n) [Nm], dt (M,) [s]):
     what `plain_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
     there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
-    columns[:, :, :layout.links] = shown_links(robot, x)
+    columns[:, :, :layout.links], way = shown_links_and_way(robot, x)
     layout.fill(columns, x)
     if layout.needs:
-        held = 0.0 if held is None else held
-        plain = columns @ mean + held
-        gear = columns[:, :, :layout.links] @ mean[:layout.links] + held
+        gear, gear_way = _gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
+        plain = columns[:, :, layout.links:] @ mean[layout.links:] + gear
         layout.fill_torque_bound(columns, replace(
-            x, gear=gear, drive=plain, rate=_rate(plain, dt, before),
+            x, gear=gear, gear_way=gear_way, drive=plain, rate=_rate(plain, dt, before),
             late=lateness(plain, dt, before),
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
             tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None))
     return columns
+
+
+def gear_torque(robot, x, mean, load=None):
+    """Return gear and gear_way (N, n) [Nm] of EffectInput; arguments as of torque_columns."""
+    return _gear_torque(robot, *shown_links_and_way(robot, x), mean, load)
+
+
+def _gear_torque(robot, links, way, mean, load):
+    gear, gear_way = (columns @ mean[:columns.shape[-1]] for columns in (links, way))
+    if load is not None and load.mass > 0.0:
+        gear, gear_way = (torque + robot.load_columns(columns) @ load.to_products()
+                          for torque, columns in ((gear, links), (gear_way, way)))
+    return gear, gear_way
 
 
 def _rate(torque, dt, before):

@@ -37,7 +37,7 @@ def inputs(n=4, count=60, seed=0):
     warmth = rng.uniform(-10, 25, shape)
     return EffectInput(
         q, v, a, warmth, rng.uniform(-1, 1, shape),
-        10.0 * rng.normal(size=shape), torque, rng.normal(size=shape),
+        10.0 * rng.normal(size=shape), rng.normal(size=shape), torque, rng.normal(size=shape),
         rng.normal(size=(*shape, 2)), lateness(torque, dt),
         play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt),
         shown_along(q, v, a, dt, warmth))

@@ -27,7 +27,7 @@ def test_recursive_least_squares_is_the_batch_solution():
         torque = columns @ load + np.sqrt(variance) * rng.normal(size=4)
         belief = rival.update(
             MotionSample(0.02 * k, 0.02, zero, zero, zero, zero, zero, False),
-            Prediction(torque, columns, np.zeros((4, 0)), zero, zero, zero, zero + 1.0,
+            Prediction(torque, columns, np.zeros((4, 0)), zero, zero, zero, zero, zero + 1.0,
                        np.zeros(0)))
         information += (columns / variance[:, None]).T @ columns
         vector += (columns / variance[:, None]).T @ torque
@@ -41,7 +41,7 @@ def test_the_careful_rival_leaves_out_what_stands():
     model, zero = nominal_model(four_axes(), np.full(4, 0.02)), np.zeros(4)
     columns = model.robot.load_regressor(np.full(4, 0.4), zero, zero)
     prediction = Prediction(columns @ block(2.0).to_products(), columns, np.zeros((4, 0)), zero,
-                            zero, zero, zero + 1.0, np.zeros(0))
+                            zero, zero, zero, zero + 1.0, np.zeros(0))
     still = MotionSample(0.0, 0.02, zero, zero, zero, zero, zero, False)
     careful, naive = (LeastSquares(model, skip) for skip in (True, False))
     before = careful.belief().mean

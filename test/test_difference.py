@@ -222,7 +222,7 @@ def test_e6_4_a_place_never_seen_weighs_less(folder):
 
     function = DifferenceFunction(model(), read_difference(folder, model()))
     zero = np.zeros(n)
-    prediction = Prediction(zero, None, None, zero, zero, zero, model().residuals.intensity,
+    prediction = Prediction(zero, None, None, zero, zero, zero, zero, model().residuals.intensity,
                             1.0)
     near, far = (function.corrected(At(zero, np.full(n, 0.2), zero, np.full(n, celsius)),
                                     prediction).density for celsius in (25.0, 80.0))

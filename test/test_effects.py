@@ -190,7 +190,8 @@ def test_a_cable_is_no_whole_period():
 def test_friction_of_a_loaded_gear_is_against_the_motion():
     effect, x = EFFECTS['load_dependent_friction'], inputs()
     for gear in (20.0, -20.0):
-        sliding = replace(x, z=np.sign(x.v), gear=np.full_like(x.v, gear))
+        sliding = replace(x, z=np.sign(x.v), gear=np.full_like(x.v, gear),
+                          gear_way=np.zeros_like(x.v))
         np.testing.assert_allclose(of_joint(effect, sliding, 1)[:, 0], 20.0 * np.sign(x.v[:, 1]))
         # On the way between the levels it is as far as the other friction is.
         turning = replace(sliding, z=0.3 * np.sign(x.v))

@@ -22,7 +22,8 @@ def test_the_model_file_keeps_tilt_and_ripple(tmp_path):
     write_model(tmp_path / 'model.yaml', model)
     back = read_model(tmp_path / 'model.yaml')
     assert back.uses == model.uses
-    x = replace(inputs(), gear=None, drive=None, rate=None, tilt=None, late=None, play=None)
+    x = replace(inputs(), gear=None, gear_way=None, drive=None, rate=None, tilt=None,
+                late=None, play=None)
     one, two = (torque_columns(m.robot, m.layout, x, m.mean, np.full(60, DT)) @ m.mean
                 for m in (model, back))
     np.testing.assert_allclose(two, one, rtol=1e-6, atol=1e-6)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.estimators.rest_watch import MARGIN, RestWatch
 from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.model_follower import ModelFollower
@@ -89,8 +90,8 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(name, samples):
     """K m online is what identification adds to the torque for a known load m."""
     model = model_with(four_axes(), (name,), {name: BOUND[name]})
     motion, x, held = along(model, samples)
-    empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, h)
-                   @ model.mean for h in (None, held))
+    empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, load)
+                   @ model.mean for load in (None, LOAD))
     if name == 'load_dependent_friction':
         # The load must turn a gear's torque round somewhere: friction is bent there.
         gear = columns_of_links(model, x)
@@ -114,8 +115,8 @@ def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
     """A load that is believed to be held counts as a known one does in identification."""
     model = model_with(four_axes(), ('backlash',), {'backlash': BOUND['backlash']},
                        {'travel': 0.02})
-    motion, x, held = along(model, samples)
-    full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, held) @ model.mean
+    motion, x, _ = along(model, samples)
+    full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, LOAD) @ model.mean
     belief = SimpleNamespace(mean=LOAD.to_message())
     followers = ModelFollower(model), ModelFollower(model)
     followers[1].carry(belief, SimpleNamespace(tared=np.zeros(10)))
@@ -165,3 +166,24 @@ def test_weights_of_a_late_torque_are_those_of_its_moment(samples):
                  .weights(1.0, np.ones(4)) / motion.dt[:, None] for uses in (model.uses, plain))
     assert np.ptp(now) > 0.0
     np.testing.assert_allclose(1.0 / late[2:], 1.0 / now[:-2], rtol=1e-9)
+
+
+def test_a_joint_holds_the_more_the_more_its_gear_is_loaded(samples):
+    """A torque that teeth can hold at rest is no changed load; beyond it is one."""
+    model = model_with(four_axes(), ('load_dependent_friction',),
+                       {'load_dependent_friction': BOUND['load_dependent_friction']})
+    share = BOUND['load_dependent_friction'][0]
+    follower = ModelFollower(model)
+    follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
+    motion, x, held = along(model, samples[:50])
+    friction = np.array([follower.update(s).friction for s in samples[:50]])
+    gear = columns_of_links(model, x) + held
+    np.testing.assert_allclose(friction, model.friction_level() + share * np.abs(gear), atol=1e-9)
+    still = replace(samples[0], v=np.zeros(4), a=np.zeros(4), dt=0.02)
+    changed = []
+    for factor in (0.9, 1.1):
+        watch = RestWatch(np.zeros(4))
+        torque = np.array([0.0, factor * MARGIN * friction[-1, 1], 0.0, 0.0])
+        changed.append(any(watch.update(still, torque, np.zeros(4), friction[-1])
+                           for _ in range(20)))
+    assert changed == [False, True]

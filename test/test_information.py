@@ -219,7 +219,7 @@ def test_bayes_covers_the_truth_as_often_as_it_says():
                 zero = np.zeros(6)
                 sample = MotionSample(k * dt, dt, zero, zero + 0.5, zero, zero, zero, False)
                 belief = method.update(sample, Prediction(
-                    torque[k], columns[k, :, :10], columns[k, :, 10:], zero, zero, zero,
+                    torque[k], columns[k, :, :10], columns[k, :, 10:], zero, zero, zero, zero,
                     np.full(6, density), np.ones(columns.shape[2] - 10)))
             error = belief.mean - message_from_shape(shape)
             inside.append(np.abs(error) <= 1.96 * np.sqrt(np.diag(belief.covariance)))

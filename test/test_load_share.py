@@ -106,7 +106,7 @@ def test_the_gate_judges_by_what_is_stated(samples, predicted):
     decisions = []
     for share in SHARES:
         model = model_of(share)
-        gate = ContactGate(model.robot.joints, model.residuals.rmse, model.friction_level(),
+        gate = ContactGate(model.robot.joints, model.residuals.rmse,
                            np.diag(np.full(10, 1e-2)))
         decisions.append([])
         for k, (sample, prediction) in enumerate(zip(samples, predicted[share])):

@@ -1,7 +1,6 @@
 """Friction that grows with the torque of the gear."""
 
-import numpy as np
-
+from ..shown_gear import shown_size
 from .effect import Effect
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
 
@@ -13,11 +12,11 @@ def direction(x, j, shape):
 
 
 def _columns(x, j, shape):
-    return (np.abs(x.gear[:, j]) * direction(x, j, shape))[..., None]
+    return (shown_size(x.gear[:, j], x.gear_way[:, j]) * direction(x, j, shape))[..., None]
 
 
 LOAD_DEPENDENT_FRICTION = Effect(
     'load_dependent_friction', 'tooth friction grows with the torque the gear carries',
     'Hamon et al. 2010', (('coefficient', '-'),), (0.1,), _columns, (OWN_TRAVEL, POWER),
     against='gear torque',
-    needs=frozenset({'gear'}), absolute=True, positive=(0,))
+    needs=frozenset({'gear', 'gear_way'}), absolute=True, positive=(0,))

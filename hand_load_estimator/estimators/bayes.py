@@ -27,10 +27,10 @@ class Bayes(Watching):
         self._watcher = self._regression = LoadRegression(
             load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std,
             model.residuals.load_share)
-        self._rest = RestWatch(model.friction_level(), model.noise)
+        self._rest = RestWatch(model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
-        self._gate = ContactGate(robot.joints, model.residuals.rmse, model.friction_level(),
-                                 self._regression.change, robot.effort.torque_constants_std)
+        self._gate = ContactGate(robot.joints, model.residuals.rmse, self._regression.change,
+                                 robot.effort.torque_constants_std)
         self._known = self._regression.known()
         self.innovation, self.spread = np.zeros((2, robot.n))
         self.refused = False
@@ -48,7 +48,7 @@ class Bayes(Watching):
                                                    self._regression.posterior)
         self.innovation, self.spread = innovation, spread
         contact = self._gate.update(prediction, innovation, torque, sample.dt)
-        changed = self._rest.update(sample, innovation, spread)
+        changed = self._rest.update(sample, innovation, spread, prediction.friction)
         if changed:
             contact = self._gate.refuses(prediction, innovation, torque)
         self.refused = contact

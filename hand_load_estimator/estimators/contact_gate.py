@@ -35,15 +35,14 @@ class ContactGate:
     """
     Tell which samples to leave out of the estimate.
 
-    joints: names; rmse (n,) [Nm]: residual of the torque model; level (n,) [Nm]: its friction;
-    change (10, 10): covariance of what the products may change by with the load; gain_doubt:
-    relative standard deviation of torque constants. reason: why, in words, while in contact.
+    joints: names; rmse (n,) [Nm]: residual of the torque model; change (10, 10): covariance of
+    what the products may change by with the load; gain_doubt: relative standard deviation of
+    torque constants. reason: why, in words, while in contact.
     """
 
-    def __init__(self, joints, rmse, level, change, gain_doubt=0.0):
+    def __init__(self, joints, rmse, change, gain_doubt=0.0):
         self._joints, self._variance = joints, rmse ** 2
-        self._held, self._doubt = STATIC * level, max(gain_doubt, MISREAD) ** 2
-        self._held_square = self._held ** 2
+        self._doubt = max(gain_doubt, MISREAD) ** 2
         values, vectors = np.linalg.eigh(change)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
         self._limit = LIMIT_PER_JOINT * len(joints)
@@ -97,7 +96,7 @@ class ContactGate:
         own = self._variance + self._doubt * (load_torque + innovation) ** 2
         known, free = self._covariances(prediction, own)
         inverse = np.linalg.inv(known + free)
-        left = innovation - self._friction(inverse, innovation)
+        left = innovation - _friction(inverse, innovation, STATIC * prediction.friction)
         unexplained = left @ inverse @ left
         limit = self._limit * max(self._usual, 1.0)
         if unexplained < max(limit, SHARE * (innovation ** 2 / own).sum()):
@@ -106,15 +105,6 @@ class ContactGate:
         self._calm = OVER - STANDING_HOLD
         self._say(own * (inverse @ left))
         return True
-
-    def _friction(self, inverse, innovation):
-        """Return the friction (n,) [Nm] within its bounds that leaves least of an innovation."""
-        friction = np.zeros(len(innovation))
-        for _ in range(_SWEEPS):
-            for j, bound in enumerate(self._held):
-                pull = inverse[j] @ (innovation - friction) / inverse[j, j]
-                friction[j] = min(max(friction[j] + pull, -bound), bound)
-        return friction
 
     def _say(self, left):
         worst = int(np.argmax(np.abs(left) / np.sqrt(self._variance)))
@@ -130,9 +120,19 @@ class ContactGate:
 
     def _unexplained(self, prediction, innovation, load_torque):
         """Return c, the torque (n,) [Nm] that is noise at best, and c without another load."""
-        own = self._variance + np.minimum(prediction.stuck, self._held_square)
+        own = self._variance + np.minimum(prediction.stuck, (STATIC * prediction.friction) ** 2)
         own = own + self._doubt * (load_torque + innovation) ** 2
         known, free = self._covariances(prediction, own)
         weighed = positive_solve(known + free, innovation)
         alone = innovation @ positive_solve(known, innovation)
         return innovation @ weighed, own * weighed, alone
+
+
+def _friction(inverse, innovation, held):
+    """Return the friction (n,) [Nm] within bounds `held` that leaves least of an innovation."""
+    friction = np.zeros(len(innovation))
+    for _ in range(_SWEEPS):
+        for j, bound in enumerate(held):
+            pull = inverse[j] @ (innovation - friction) / inverse[j, j]
+            friction[j] = min(max(friction[j] + pull, -bound), bound)
+    return friction

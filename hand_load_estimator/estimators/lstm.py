@@ -112,14 +112,14 @@ class Lstm(Watching):
             foretold_doubt=self._robot.effort.torque_constants_std)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
                                        trust=self._plain.trust)
-        self._rest = RestWatch(model.friction_level(), model.noise)
+        self._rest = RestWatch(model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
         self._watch = MismatchWatch(self._robot.joints, model.residuals.rmse)
-        self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._level,
-                                 self._plain.change, self._robot.effort.torque_constants_std)
+        self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._plain.change,
+                                 self._robot.effort.torque_constants_std)
         self._restart()
 
     @property
@@ -138,7 +138,7 @@ class Lstm(Watching):
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         contact = self._gate.update(prediction, load[0], load[2], sample.dt)
-        changed = self._rest.update(sample, load[0], load[1])
+        changed = self._rest.update(sample, *load[:2], prediction.friction)
         if changed:
             contact = self._gate.refuses(prediction, load[0], load[2])
         if contact:

@@ -20,27 +20,28 @@ class RestWatch:
     """
     Compare a standing arm's innovation with what friction and belief can explain.
 
-    level, noise (n,) [Nm]: Coulomb level and residual RMS of the torque model.
+    noise (n,) [Nm]: residual RMS of the torque model.
     """
 
-    def __init__(self, level, noise):
-        self._level, self._variance = MARGIN * level, noise ** 2
+    def __init__(self, noise):
+        self._variance = noise ** 2
         self.restart()
 
     def restart(self):
         """Begin anew, as after a change."""
         self._beyond = 0.0
 
-    def update(self, sample, innovation, spread):
+    def update(self, sample, innovation, spread, friction):
         """
-        Take a MotionSample, its innovation (n,) [Nm] and the belief's variance of it [Nm^2].
+        Take a MotionSample, its innovation (n,) [Nm] and the belief's variance of it [Nm^2];
+        friction (n,) [Nm]: the level that joints can hold.
 
         Return whether the load has changed.
         """
         if np.abs(sample.v).max() > STILL or np.abs(sample.a).max() > UNFORCED:
             self._beyond = 0.0
             return False
-        limit = self._level + SIGMAS * np.sqrt(self._variance + spread)
+        limit = MARGIN * friction + SIGMAS * np.sqrt(self._variance + spread)
         self._beyond = self._beyond + sample.dt if (np.abs(innovation) > limit).any() else 0.0
         if self._beyond < LASTING:
             return False

@@ -36,7 +36,7 @@ def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUT
         {**tensors, 'scale': data.scale, 'share': result.share,
          'left_out_variance': result.variance},
         {'recordings': [e.name for e in evidence],
-         'known_load': any(e.held is not None for e in evidence), 'seed': SEED,
+         'known_load': any(e.load.mass > 0.0 for e in evidence), 'seed': SEED,
          'samples': len(data.dt),
          'left_out_density_share': [round(float(v), 4) for v in result.share]})
     return result

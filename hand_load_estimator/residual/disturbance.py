@@ -277,6 +277,4 @@ def undisturbed(evidence, rows, share=(0.0, 1.0)):
 
 
 def _part(evidence, rows):
-    held = None if evidence.held is None else evidence.held[rows]
-    return replace(evidence, motion=evidence.motion.part(rows), torque=evidence.torque[rows],
-                   held=held)
+    return replace(evidence, motion=evidence.motion.part(rows), torque=evidence.torque[rows])

@@ -10,8 +10,8 @@ from ..filtered_noise import noise_floor, white_density
 from ..motion import smeared
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
-from ..torque_columns import (as_reported, EffectUse, lateness, motion_input, play_columns,
-                              tilt_columns, torque_columns)
+from ..torque_columns import (as_reported, EffectUse, gear_torque, lateness, motion_input,
+                              play_columns, tilt_columns, torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT
@@ -150,9 +150,9 @@ def _of_recording(model, evidence, compared):
     robot, motion = model.robot, evidence.motion
     x, doubt = motion_input(robot, motion, model.presliding_distance(),
                             model.presliding_power())
-    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.held)
+    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.load)
     if compared:
-        x = _complete(model, x, columns, motion.dt, evidence.held)
+        x = _complete(model, x, columns, motion.dt, evidence.load)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
@@ -169,14 +169,14 @@ def _of_recording(model, evidence, compared):
             'sliding': surely_slides(x.v, x.z, doubt)}
 
 
-def _complete(model, x, columns, dt, held):
+def _complete(model, x, columns, dt, load):
     """Return an EffectInput with the torques that effects outside the model may read."""
     n, robot = model.robot.n, model.robot
-    held = 0.0 if held is None else held
-    predicted = columns @ model.mean + held
+    gear, way = gear_torque(robot, x, model.mean, load)
+    predicted = columns[:, :, 10 * n:] @ model.mean[10 * n:] + gear
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
-    gear = columns[:, :, :10 * n] @ model.mean[:10 * n] + held
-    return replace(x, gear=gear, drive=predicted, rate=rate, late=lateness(predicted, dt),
+    return replace(x, gear=gear, gear_way=way, drive=predicted, rate=rate,
+                   late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
                    tilt=tilt_columns(robot, model.layout, x.q, model.mean))
 
