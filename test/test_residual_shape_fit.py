@@ -5,6 +5,7 @@ import pytest
 from residual_helpers import declared_model, Hidden, noise_of, on, play, recorded
 
 from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.effects.torque_ripple import waves
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.shape_fit import settled
@@ -37,6 +38,20 @@ def settle(hidden, name, shape, joint):
 def test_a_delay_settles_between_the_grids_values(start):
     shape, before, after = settle(on(1, 5.0, late), 'time_delay', {'shift': start}, 1)
     assert shape['shift'] == pytest.approx(0.033, rel=0.04)
+    assert after > before + 10.0
+
+
+def two_waves(run: Hidden):
+    """A ripple of 37 periods per turn on joint 2, with its second harmonic."""
+    first, second = (waves(run.x.q, run.x.v, k * 37.0) for k in (1.0, 2.0))
+    return first[0] + 0.4 * second[1]
+
+
+@pytest.mark.parametrize('start', [36.85, 37.1])
+def test_a_ripple_settles_within_a_hundredth_of_a_radian_at_the_ends_of_the_motion(start):
+    shape, before, after = settle(on(2, 3.0, two_waves), 'torque_ripple', {'periods': start}, 2)
+    # The joint swings by a radian or two: 0.1 periods per turn are 0.1 rad and more there.
+    assert shape['periods'] == pytest.approx(37.0, abs=0.01)
     assert after > before + 10.0
 
 

@@ -11,7 +11,7 @@ from ..effects import EFFECTS
 from .blocks import Blocks
 from .candidate import single
 from .hypotheses import FORMS, of_shapes, other_forms, other_ways, reshaped
-from .hypothesis import physical, price, refinable, searched, turns
+from .hypothesis import physical, price, searched, turns
 from .shape_fit import settled
 
 # Asked of effects that gain so much [nats].
@@ -32,10 +32,12 @@ def search_around(best, blocks, model, residual):
 
     Returns the best pair and the number of trials.
     """
-    if not refinable(best[0]):
+    count, there = 0, searched(best[0])
+    if not there:
         return best, 0
-    count, size = 0, len(searched(best[0]))
-    for step in (1.25, 1.12) if size <= COMBINED else ():
+    size = len(there)
+    # The spectrum has told the period of a ripple better than such steps do.
+    for step in (1.25, 1.12) if size <= COMBINED and 'periods' not in there else ():
         # Parameters that make up for one another are found together only.
         factors = [those for those in product((1.0 / step, 1.0, step), repeat=size)
                    if set(those) != {1.0}]

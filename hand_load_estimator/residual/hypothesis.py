@@ -41,11 +41,6 @@ def searched(hypothesis):
     return EFFECTS[hypothesis.name].told(hypothesis.shape) if hypothesis.shape else {}
 
 
-def refinable(hypothesis):
-    """Tell whether a Hypothesis has nonlinear parameters that a grid was tried for."""
-    return 'periods' not in hypothesis.shape and bool(searched(hypothesis))
-
-
 def turns(hypothesis):
     """Tell whether a shape of a Hypothesis says how friction turns after a reversal."""
     return hypothesis.name == 'presliding_hysteresis' or (

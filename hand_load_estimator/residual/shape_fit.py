@@ -16,6 +16,8 @@ TURNS = 8
 # one sees no more than the steps in which an impact is followed.
 HALF_WIDTHS = (0.02, 0.08)
 DOUBT, STEP = 0.3, 0.25  # [-] how far a shape may be off; how far it goes in one turn
+# Of a ripple all of these are so many radians of its phase at the ends of the motion.
+PHASE = 5.0
 SHARES = (1.0, 0.5, 0.2)
 LEAST = 0.5             # [nats] another turn must gain
 
@@ -41,8 +43,8 @@ def settled(hypothesis, score, blocks, model, residual, rank):
 
 def _steps(hypothesis, score, blocks, model, residual):
     """Return how far (k,) the logarithms of the shapes are off, as each of HALF_WIDTHS tells."""
-    size = len(searched(hypothesis))
-    widths = np.concatenate([width * np.eye(size) for width in HALF_WIDTHS])
+    size, unit = len(searched(hypothesis)), _unit(hypothesis, residual)
+    widths = unit * np.concatenate([width * np.eye(size) for width in HALF_WIDTHS])
     factors = [tuple(row) for row in np.exp(np.concatenate([widths, -widths]))]
     moved = reshaped(hypothesis, factors, model, residual)
     pairs, steps = list(zip(moved[:len(widths)], moved[len(widths):])), []
@@ -52,5 +54,13 @@ def _steps(hypothesis, score, blocks, model, residual):
             slopes = [(up.columns[j] - down.columns[j]) @ score.theta * (0.5 * DOUBT / width)
                       for up, down in pairs[size * k:size * k + size]]
             both[j] = np.column_stack([columns, *slopes])
-        steps.append(np.clip(DOUBT * blocks.evaluate(both).theta[-size:], -STEP, STEP))
+        steps.append(unit * np.clip(DOUBT * blocks.evaluate(both).theta[-size:], -STEP, STEP))
     return steps
+
+
+def _unit(hypothesis, residual):
+    """Return what a step of one is in the logarithm of the shapes."""
+    if 'periods' not in hypothesis.shape:
+        return 1.0
+    reach = 0.5 * np.ptp(residual.x.q[:, hypothesis.joint])
+    return PHASE / (hypothesis.shape['periods'] * reach)
