@@ -90,6 +90,17 @@ def test_coverage_counts_from_2000_cases_and_40_plants():
         '95.0 to 95.0 % (2000 cases, 40 plants)', True)
 
 
+def test_the_width_is_judged_over_the_bound_and_told_over_both():
+    goal = 'median width over the bound, every parameter and time'
+    base = content([case(k, (0.1,) * 5, std=2.0) for k in range(3)])
+    assert judged({'base': base})[goal] == (
+        "4; 2 where the bound does not know friction's start", False)
+    for entries in base['scores'].values():
+        for entry in entries:
+            del entry['start_unknown']
+    assert judged({'base': base})[goal] == ('4', False), 'a run of older code'
+
+
 def test_no_goal_is_reached_with_fewer_cases_than_its_suite_has():
     """Good figures of few cases are told and reach nothing; hours are counted apart."""
     perfect = [case(k, (0.0001, 0.01, 1.0, 1.0, 1.0)) for k in range(3)]

@@ -91,6 +91,8 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert error['bayes'] < 0.3 * error['fixed rated load']
     assert error[OUR_MODEL] < 0.3 * error['fixed rated load']
     assert (std[0] > np.array(found['bound'])[-1, 0])
+    over = np.array(found['bound_start_unknown']) / found['bound']
+    assert over.shape == (3, 10) and (over >= 1.0).all() and over[0, 0] > over[-1, 0]
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
     assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())

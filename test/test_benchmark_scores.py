@@ -29,6 +29,9 @@ def test_rmse_median_and_percentile_are_exact():
         assert entry['inertia']['izz']['rmse'] == pytest.approx(entry['mass']['rmse'])
         assert entry['bound_mass_rmse'] == pytest.approx(0.5)
         assert entry['width_over_bound']['m'] == pytest.approx(2.0)
+        unknown = entry['start_unknown']
+        assert unknown['bound_mass_rmse'] == pytest.approx(1.0)
+        assert unknown['width_over_bound'] == dict.fromkeys(MESSAGE_ORDER, pytest.approx(1.0))
 
 
 def test_coverage_is_counted_within_1_96_and_clustered_by_plant():
@@ -87,7 +90,22 @@ def test_the_page_shows_what_was_measured():
                                     'hand_load benchmark', 'abc1234'))
     assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page and 'all sorts' in page
     assert '2 plants could not be measured' in page and '`gru` would run as `bayes`' in page
-    assert '| lstm | 250 |' in page and 'Cramer-Rao bound' in page
+    assert '| lstm | 250 |' in page
+
+
+def test_the_page_shows_both_bounds_and_what_is_over_them():
+    results = [result(k, k, off=0.25, bound=0.1) for k in range(3)]
+    page = to_markdown(suite_blocks('Accuracy', '', {
+        'scores': score(results, 12.5), 'overview': overview(results)}, (), '', ''))
+    rows = {row.split(' | ')[0]: row.split(' | ')[1:] for row in page.splitlines()}
+    which = ", friction's start unknown"
+    assert rows['| Cramer-Rao bound'][:2] == ['100.0', '100.0']
+    assert rows[f'| Cramer-Rao bound{which}'][:2] == ['200.0', '200.0']
+    assert rows['| `lstm` over the bound'][0] == '2.5'
+    assert rows[f'| `lstm` over the bound{which}'][0] == '1.2'
+    widths = page.split(f'| width over bound{which} | m |')[1].split('\n\n')[0]
+    assert '| 0.1 s | 5.0 | 5.0 |' in widths and '| 10.0 |' not in widths
+    assert '| 0.1 s | 10.0 | 10.0 |' in page
 
 
 def test_the_page_tells_every_methods_coverage_in_a_row():

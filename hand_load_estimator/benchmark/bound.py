@@ -2,7 +2,12 @@
 The Cramer-Rao bound: what no unbiased estimator can beat on the same recording.
 
 Torque noise known, torque model exact, friction state known: information is the sum of
-K^T K / sigma^2 over all messages, joined by the same prior as everybody uses.
+K^T K / sigma^2 over all messages, joined by the same prior as everybody uses. The second bound
+takes the same messages where nobody knows what each joint's friction held before the motion:
+that torque f, one per joint, is estimated along with the load m from rows K m + left f, where
+`left` is the derivative of friction along the true motion, and then taken out of their joint
+information (Schur complement). f is drawn evenly over what contacts can hold; only its variance
+counts here, which an estimator that is no linear one might go below.
 """
 
 import numpy as np
@@ -13,24 +18,44 @@ from ..load import products_jacobian_of_shape
 
 
 class Bound:
-    """Accumulate information along a recording for a load that is known here."""
+    """
+    Accumulate information along a recording for a load that is known here.
 
-    def __init__(self, robot, load, noise, rate):
+    noise (n,) [Nm] of a message, of which `rate` [Hz] come; start_std (n,) [Nm]: standard
+    deviation of the friction torque before the motion.
+    """
+
+    def __init__(self, robot, load, noise, rate, start_std):
         shape = load.to_message().copy()
         shape[4:] = shape[4:] / max(load.mass, 1e-6)
         self._robot, self._shape = robot, shape
         self._jacobian = products_jacobian_of_shape(shape)
         self._precision = rate / np.asarray(noise) ** 2
         self._prior = np.diag(load_prior(robot).std ** -2.0)
+        # Of the load, of the starts, whose matrix is diagonal, and between them.
         self._information = np.zeros((10, 10))
+        self._of_start = np.asarray(start_std, dtype=float) ** -2.0
+        self._between = np.zeros((10, robot.n))
 
-    def update(self, sample):
-        """Add the messages behind a MotionSample."""
+    def update(self, sample, left):
+        """Add the messages behind a MotionSample; left (n,) [-]: their share of the start."""
         k = self._robot.load_regressor(sample.q, sample.v, sample.a)
-        self._information += (k * (self._precision * sample.dt)[:, None]).T @ k
+        weighed = (k * (self._precision * sample.dt)[:, None]).T
+        self._information += weighed @ k
+        self._between += weighed * left
+        self._of_start += self._precision * sample.dt * left ** 2
 
     def std(self):
-        """Return standard deviations (10,) in message order."""
-        information = self._jacobian.T @ self._information @ self._jacobian + self._prior
+        """Return standard deviations (10,) in message order, friction's state known."""
+        return self._std_of(self._information)
+
+    def std_start_unknown(self):
+        """Return standard deviations (10,) in message order, friction's start unknown."""
+        told = self._between / self._of_start @ self._between.T
+        return self._std_of(self._information - told)
+
+    def _std_of(self, information):
+        """Return std (10,) from the information (10, 10) about the inertial products."""
+        information = self._jacobian.T @ information @ self._jacobian + self._prior
         covariance = np.linalg.inv(information)
         return np.sqrt(np.diag(message_covariance(self._shape, covariance)))

@@ -115,9 +115,14 @@ def case_motion(robot, case):
 
 def case_events(robot, case, effects=()):
     """Yield the plant's events of a Case; effects: EffectRequests beside the case's own."""
+    return motion_events(robot, case_motion(robot, case), **plant_arguments(robot, case, effects))
+
+
+def plant_arguments(robot, case, effects=()):
+    """Return the arguments of a Case's Plant but its start; effects: as of case_events."""
     effects = (*effects, *parse_effects(list(case.hidden), robot, f'case {case.seed}'))
-    return motion_events(robot, case_motion(robot, case), seed=case.plant, run=case.seed,
-                         start_temperature=case.temperature, load=case.load, effects=effects)
+    return {'seed': case.plant, 'run': case.seed, 'start_temperature': case.temperature,
+            'load': case.load, 'effects': effects}
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What each goal of issue 4 wants, and what the content of a suite's scores.json says of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 from ..load import MESSAGE_ORDER
@@ -100,9 +100,21 @@ def _coverage_rows(base):
     low, high = _range(base)
     counts = base.overview
     told = f'{low:.1f} to {high:.1f} % ({counts["scored"]} cases, {counts["plants"]} plants)'
-    width = max(e['width_over_bound'][m] for e in base.at.values() for m in MESSAGE_ORDER)
+    width = _limit(*second, _widest(base.at.values()), 3.0, '')
     return [GoalRow(*first, told, bool(low >= 93.0 and high <= 97.0)),
-            _limit(*second, width, 3.0, '')]
+            replace(width, measured=width.measured + _with_start_unknown(base))]
+
+
+def _widest(entries):
+    return max(e['width_over_bound'][m] for e in entries for m in MESSAGE_ORDER)
+
+
+def _with_start_unknown(base):
+    """Return in words the width over the bound that does not know friction's start."""
+    entries = [e.get('start_unknown') for e in base.at.values()]
+    # Runs of older code that are joined to the table have no such bound.
+    return (f"; {_widest(entries):.3g} where the bound does not know friction's start"
+            if all(entries) else '')
 
 
 def _undeclared_rows(undeclared):

@@ -14,9 +14,10 @@ from ..learning.learn_difference import learn_difference
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
-from .cases import case_run, identification_evidence
+from .cases import identification_evidence
 from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, REGRESSOR,
                           RegressorClock)
+from .friction_start import case_run_and_start
 from .offline import offline_beliefs
 from .rivals import COULOMB_VISCOUS
 from .suites import SUITES
@@ -61,22 +62,23 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
 
     methods: names of ours (None: all); rivals: names of offline ones.
     """
-    run = case_run(robot, case)
+    run, friction = case_run_and_start(robot, case)
     samples, start = run.samples, run.start
-    bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE)
+    bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE, friction.std)
     racing = contestants(robot, models, chosen_methods(methods), learned)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}
-    bounds, due = [], list(TIMES)
+    bounds, start_unknown, due = [], [], list(TIMES)
 
     def note(beliefs):
-        """Add the bound and {name: Belief} of now to the rows."""
+        """Add the bounds and {name: Belief} of now to the rows."""
         bounds.append(bound.std().tolist())
+        start_unknown.append(bound.std_start_unknown().tolist())
         for name, belief in beliefs.items():
             rows[name].append([belief.mean.tolist(),
                                np.sqrt(np.diag(belief.covariance)).tolist()])
 
-    for sample in samples:
-        bound.update(sample)
+    for sample, left in zip(samples, friction.left, strict=True):
+        bound.update(sample, left)
         clock.update(sample)
         beliefs = {name: contestant.update(sample) for name, contestant in racing.items()}
         while start is not None and due and sample.stamp >= start + due[0] - 1e-9:
@@ -87,6 +89,7 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
     return {'plant': case.plant, 'seed': case.seed, 'load': case.load.to_message().tolist(),
             'temperature': case.temperature, 'speed': case.speed,
             'hidden': [entry['name'] for entry in case.hidden], 'bound': bounds,
+            'bound_start_unknown': start_unknown,
             'changes': changes.get(DEFAULT, max(changes.values())),
             'changes_of': changes, 'methods': rows,
             'determined_below': np.repeat(determined_std(robot), (1, 3, 6)).tolist(),

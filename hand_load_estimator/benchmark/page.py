@@ -9,6 +9,9 @@ from .hidden_scores import hidden_blocks
 from .measure import TIMES
 from .scores import rivals_of
 
+# What stands behind a bound's name, or a ratio to it, that does not know what friction was.
+_START_UNKNOWN = "friction's start unknown"
+
 
 def leading(scores):
     """Return the method the page is about: the default, or the first where it has no place."""
@@ -24,9 +27,13 @@ def _mass_table(scores):
             for name, entries in scores.items()]
     name = leading(scores)
     ours = scores[name]
-    rows.append(['Cramer-Rao bound', *(f'{1e3 * e["bound_mass_rmse"]:.1f}' for e in ours)])
-    rows.append([f'`{name}` over the bound', *(
-        f'{e["mass"]["rmse"] / e["bound_mass_rmse"]:.1f}' for e in ours)])
+    bounds = {'': [e['bound_mass_rmse'] for e in ours],
+              f', {_START_UNKNOWN}': [e['start_unknown']['bound_mass_rmse'] for e in ours]}
+    rows += [[f'Cramer-Rao bound{which}', *(f'{1e3 * value:.1f}' for value in bound)]
+             for which, bound in bounds.items()]
+    rows += [[f'`{name}` over the bound{which}', *(
+        f'{e["mass"]["rmse"] / value:.1f}' for e, value in zip(ours, bound))]
+             for which, bound in bounds.items()]
     return Table(['mass RMSE [g] after', *_times(scores)], rows)
 
 
@@ -58,10 +65,12 @@ def _covered(figures):
     return f'{share:.1f} ({error:.1f})' if np.isfinite(error) else f'{share:.1f}'
 
 
-def _width_table(entries):
-    rows = [[e["time"], *(f'{e["width_over_bound"][m]:.1f}' for m in MESSAGE_ORDER)]
-            for e in entries]
-    return Table(['width over bound', *MESSAGE_ORDER], rows)
+def _width_tables(entries):
+    widths = {'': [e['width_over_bound'] for e in entries],
+              f', {_START_UNKNOWN}': [e['start_unknown']['width_over_bound'] for e in entries]}
+    return [Table([f'width over bound{which}', *MESSAGE_ORDER], [
+        [e['time'], *(f'{width[m]:.1f}' for m in MESSAGE_ORDER)]
+        for e, width in zip(entries, found)]) for which, found in widths.items()]
 
 
 def _all_coverage_table(scores):
@@ -85,7 +94,7 @@ def _interval_blocks(scores):
     for name in scores:
         if name in (DEFAULT, WITHOUT_NETWORK):
             out += [Heading(f'Intervals of `{name}`'), _coverage_table(scores[name]),
-                    _width_table(scores[name])]
+                    *_width_tables(scores[name])]
     return out
 
 
@@ -191,7 +200,7 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
 
 
 def mass_picture(scores):
-    """Return the Picture of mass RMSE over time for every method and the bound."""
+    """Return the Picture of mass RMSE over time for every method and the bounds."""
     return Picture('mass', lambda figure: _draw_mass(figure, scores),
                    'mass RMSE over time after motion start')
 
@@ -201,8 +210,10 @@ def _draw_mass(figure, scores):
     for name, entries in scores.items():
         axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]],
                     marker='o', linestyle='--' if name == BLIND else '-', label=name)
-    bound = [1e3 * e['bound_mass_rmse'] for e in entries[:len(TIMES)]]
-    axes.loglog(TIMES, bound, 'k:', label='Cramer-Rao bound')
+    for label, line, found in (('Cramer-Rao bound', 'k:', entries), (
+            f'bound, {_START_UNKNOWN}', 'k-.', [e['start_unknown'] for e in entries])):
+        axes.loglog(TIMES, [1e3 * e['bound_mass_rmse'] for e in found[:len(TIMES)]], line,
+                    label=label)
     axes.set(xlabel='time after motion start [s]', ylabel='mass RMSE [g]')
     axes.set_xticks(TIMES, [f'{t:g}' for t in TIMES])
     axes.set_xticks([], minor=True)

@@ -36,6 +36,11 @@ def _spread(values):
             'p95': float(np.quantile(np.abs(values), 0.95))}
 
 
+def _widths(std, bound):
+    """Return {parameter: median} of stds over a bound's, (cases, 10) each."""
+    return dict(zip(MESSAGE_ORDER, np.median(std / bound, axis=0).tolist()))
+
+
 def _clustered(inside, plants):
     """Return the mean of booleans (cases,) and its standard error over plants."""
     means = np.array([inside[plants == p].mean() for p in np.unique(plants)])
@@ -44,8 +49,13 @@ def _clustered(inside, plants):
 
 
 def score(results, rated_mass):
-    """Return {method: figures} of complete cases; masses in kg, lengths in m."""
+    """
+    Return {method: figures} of complete cases; masses in kg, lengths in m.
+
+    start_unknown: what the bound is, and the width over it, with friction's start unknown.
+    """
     results = complete(results)
+    start_unknown = np.array([r['bound_start_unknown'] for r in results])
     plants = np.array([r['plant'] for r in results])
     heavy = np.array([r['load'][0] >= LEAST_MASS_FOR_COM for r in results])
     out = {}
@@ -62,11 +72,13 @@ def score(results, rated_mass):
                 'com': _spread(com[:, k]),
                 'inertia': {m: _spread(error[:, k, i]) for i, m in
                             enumerate(MESSAGE_ORDER) if i >= 4},
-                'bound_mass_rmse': float(np.sqrt(np.mean(bound[:, k, 0] ** 2))),
+                'bound_mass_rmse': _spread(bound[:, k, 0])['rmse'],
                 'coverage': {m: _clustered(inside[:, k, i], plants)
                              for i, m in enumerate(MESSAGE_ORDER)},
-                'width_over_bound': {m: float(np.median(std[:, k, i] / bound[:, k, i]))
-                                     for i, m in enumerate(MESSAGE_ORDER)}})
+                'width_over_bound': _widths(std[:, k], bound[:, k]),
+                'start_unknown': {
+                    'bound_mass_rmse': _spread(start_unknown[:, k, 0])['rmse'],
+                    'width_over_bound': _widths(std[:, k], start_unknown[:, k])}})
         out[name] = per_time
     return out
 

@@ -7,6 +7,7 @@ spring, so a joint at rest stays where it is (no drift), and it slides fully aft
 or two.
 """
 
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ ELASTIC = 0.3     # [-] of the breakaway deflection, below which the bristle doe
 # Travel after a reversal, in breakaway deflections, until 95 % of the sliding level is reached;
 # follows from ELASTIC and the shape of the transition (test_plant_friction holds it).
 REVERSAL = 2.85
+# What a joint at rest holds is drawn evenly up to this share of its breakaway level, either way.
+START = 0.95
 
 
 @dataclass
@@ -93,8 +96,9 @@ class Friction:
     """
     The bristles of n joints, one state each.
 
-    `torque` (n,) [Nm] opposes motion: the drive has to supply it. Stable for any step: the
-    deflection never passes the breakaway level, however far a joint moves in one step.
+    `torque` (n,) [Nm] opposes motion: the drive has to supply it. start_std (n,) [Nm]: standard
+    deviation of what it is at the start. Stable for any step: the deflection never passes the
+    breakaway level, however far a joint moves in one step.
     """
 
     def __init__(self, figures, temperature, gear_torque, rng):
@@ -107,8 +111,16 @@ class Friction:
         self.set_temperature(temperature)
         self._breakaway(np.zeros(n), gear_torque)
         # A joint at rest holds whatever its last motion left in the bristles.
-        self._deflection = self._level * rng.uniform(-0.95, 0.95, n)
+        self._deflection = self._level * rng.uniform(-START, START, n)
+        self.start_std = START / np.sqrt(3.0) * self._stiffness * self._level
         np.multiply(self._stiffness, self._deflection, out=self.torque)
+
+    def shifted(self, torque):
+        """Return a copy whose bristles hold a torque (n,) [Nm] more."""
+        other = deepcopy(self)
+        other._deflection += torque * self._compliance
+        other.torque += torque
+        return other
 
     def set_temperature(self, temperature):
         """Take the figures at gear temperature (n,) [degC]."""
