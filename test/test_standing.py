@@ -13,8 +13,12 @@ from hand_load_estimator.simulate_motions import named_motion
 RUNS, SECONDS, RATE = 6, 8.0, 100.0
 
 
-def standing(run):
-    """Return load and events of the shipped model's own arm standing with an unknown load."""
+def standing(run, moving=0.0):
+    """
+    Return load and events of the shipped model's own arm standing with an unknown load.
+
+    moving [s]: how long it moves afterwards.
+    """
     rng = np.random.default_rng(run)
     mass = rng.uniform(0.5, 8.0)
     load = LoadParameters(mass, [0.02, -0.01, 0.09], 0.01 * mass * np.eye(3))
@@ -24,7 +28,7 @@ def standing(run):
                                  motion.acceleration, settle=SECONDS + 0.5, load=load,
                                  seed=SHIPPED_MODEL_PLANT, run=500 + run, rate=RATE,
                                  start_temperature=25.0):
-        if event.stamp > SECONDS:
+        if event.stamp > SECONDS + moving:
             break
         events.append(event)
     return load, events
@@ -64,3 +68,14 @@ def test_a_standing_arm_does_not_grow_surer_than_it_is_right(runs, method):
         assert not any(e.determined.any() for e in estimates)
     # Two of six outside an interval of 95 % have a chance of one in thirty; seeds are fixed.
     assert np.sum(inside) >= RUNS - 1
+
+
+@pytest.mark.parametrize('method', ['bayes', 'lstm'])
+def test_a_load_held_at_power_on_is_found_once_the_arm_moves(method):
+    """Nobody saw it being picked up: it is no change of the load."""
+    load, events = standing(1, moving=3.0)
+    estimates = estimates_of(method, events)
+    assert {e.load_id for e in estimates} == {0}
+    last = estimates[-1]
+    assert last.status == 'DETERMINED' and last.std[0] < 0.05
+    assert abs(last.mean[0] - load.mass) < 3.0 * last.std[0]
