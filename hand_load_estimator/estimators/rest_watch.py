@@ -11,7 +11,7 @@ import numpy as np
 # Faster or harder than this [rad/s], [rad/s^2] the arm does not stand: the load's inertia shows.
 STILL, UNFORCED = 0.02, 0.3
 # The torque must be beyond for so long [s], or it is a knock or the arm settling.
-LASTING = 0.2
+LASTING = 0.1
 # Static friction exceeds the Coulomb level; noise and belief count in standard deviations.
 MARGIN, SIGMAS = 1.3, 4.0
 
