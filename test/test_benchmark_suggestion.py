@@ -99,13 +99,22 @@ def test_errors_are_of_before_during_and_after_the_push():
     assert figures == {'before': pytest.approx(0.1), 'during': pytest.approx(2.0),
                        'after': pytest.approx(0.3), 'told': 0.5}
     found = pushes.push_scores({
-        force: {'plant': 1, 'force': force, 'mass': 2.0, 'methods': {'bayes': {**figures, **more}}}
-        for force, more in ((30.0, {'changes': 0}), (60.0, {'during': 0.0, 'changes': 2}))})
+        force: {'plant': 1, 'force': force, 'mass': 2.0, 'from_vertical': force,
+                'methods': {'bayes': {**figures, **more}}}
+        for force, more in ((60.0, {'changes': 0}), (30.0, {'during': 0.0, 'changes': 2}))})
     of = found['methods']['bayes']
     assert (of['worst'], of['changed'], of['told']) == (2.0, 1, 0.5)
     assert of['during'] == pytest.approx(np.sqrt(2.0))
-    assert '| bayes | 100 | 1414 | 2000 | 300 | 50 | 1 of 2 |' in to_markdown(
-        pushes.push_blocks(found))
+    page = to_markdown(pushes.push_blocks(found))
+    assert '| bayes | 100 | 1414 | 2000 | 300 | 50 | 1 of 2 |' in page
+    assert '| 30 | 1 | 2.0 | 30 | 0, 300 |\n| 60 | 1 | 2.0 | 60 | 2000, 300 |' in page
+
+
+def test_up_and_down_are_vertical_and_sideways_is_not():
+    slanted = np.array([0.6, 0.0, -0.8])
+    angles = [pushes.from_vertical(way) for way in (np.eye(3)[2], -np.eye(3)[2], slanted,
+                                                    np.eye(3)[0])]
+    np.testing.assert_allclose(angles, [0.0, 0.0, 36.87, 90.0], atol=0.01)
 
 
 def test_a_push_moves_who_keeps_nothing_out(shipped):

@@ -11,11 +11,13 @@ from .other_pages import left_out_told
 from .rivals import LeastSquares
 from .suites import CASES_PER_PLANT
 
-CASES = 8
+CASES = 24
 FORCES = (30.0, 60.0)      # [N], in turn
 DURATION = 1.0             # [s] of a push
 START = (5.0, 9.0)         # [s] from the beginning of a run
 LATER = 1.0                # [s] after the push
+# Of each push, with so many places.
+_TOLD = (('from_vertical', 0), ('plant', 0), ('mass', 1), ('force', 0))
 CONTACT = 'contact'        # so a method's words begin where it has told one
 
 
@@ -34,9 +36,10 @@ def measure_push(robot_path, plant, seed, force, learned, methods):
     """
     Return what each method makes of one push.
 
-    {'plant', 'force', 'methods': {name: figures}}: mass error [kg] just before the push, RMS
-    during it, LATER after it; told: share of the push in which a contact was told; changes:
-    load changes counted in the whole run.
+    {'plant', 'force', 'from_vertical', 'methods': {name: figures}}: angle [deg] between the push
+    and straight up or down; mass error [kg] just before the push, RMS during it, LATER after it;
+    told: share of the push in which a contact was told; changes: load changes counted in the
+    whole run.
     """
     robot, model = robot_and_model(robot_path, plant)
     case, start = draw_push(robot, plant, seed, force)
@@ -49,11 +52,17 @@ def measure_push(robot_path, plant, seed, force, learned, methods):
         for name, contestant in racing.items():
             errors[name].append(contestant.update(sample).mean[0] - case.load.mass)
             told[name].append(getattr(contestant.method, 'mismatch', '').startswith(CONTACT))
-    return {'plant': plant, 'force': force, 'mass': case.load.mass, 'methods': {
-        name: {**push_figures(np.array(stamps), np.array(errors[name]), np.array(told[name]),
-                              start),
-               'changes': getattr(contestant.method, 'changes', 0)}
-        for name, contestant in racing.items()}}
+    figures = {name: {
+        **push_figures(np.array(stamps), np.array(errors[name]), np.array(told[name]), start),
+        'changes': getattr(contestant.method, 'changes', 0)}
+        for name, contestant in racing.items()}
+    return {'plant': plant, 'force': force, 'mass': case.load.mass, 'methods': figures,
+            'from_vertical': from_vertical(case.hidden[0]['parameters']['direction'])}
+
+
+def from_vertical(way):
+    """Return the angle [deg] between a direction (3,) of length 1 and straight up or down."""
+    return float(np.degrees(np.arccos(min(abs(way[2]), 1.0))))
 
 
 def push_figures(stamps, error, told, start):
@@ -102,9 +111,9 @@ def push_blocks(content):
              f'{100.0 * m["told"]:.0f}', f'{m["changed"]} of {content["pushes"]}']
             for name, m in content['methods'].items()]
     names = list(content['methods'])
-    each = [[str(r['plant']), f'{r["mass"]:.1f}', f'{r["force"]:g}', *(
+    each = [[*(f'{r[key]:.{places}f}' for key, places in _TOLD), *(
         f'{1e3 * r["methods"][name]["during"]:.0f}, {1e3 * abs(r["methods"][name]["after"]):.0f}'
-        for name in names)] for r in content['runs']]
+        for name in names)] for r in sorted(content['runs'], key=lambda r: r['from_vertical'])]
     return [
         Heading('Pushes on the hand', 1),
         Text(f'{content["pushes"]} pushes of {DURATION:g} s in any direction, '
@@ -114,5 +123,5 @@ def push_blocks(content):
         Table(['method', 'mass RMSE just before [g]', 'during [g]', 'worst push [g]',
                f'{LATER:g} s after [g]', 'told as contact [% of the push]',
                'runs with a load change counted'], rows),
-        Table(['plant', 'load [kg]', 'push [N]', *(f'{name}: mass error during, after [g]'
-                                                   for name in names)], each)]
+        Table(['from the vertical [deg]', 'plant', 'load [kg]', 'push [N]', *(
+            f'{name}: mass error during, after [g]' for name in names)], each)]
