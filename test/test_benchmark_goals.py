@@ -101,6 +101,20 @@ def test_the_width_is_judged_over_the_bound_and_told_over_both():
     assert judged({'base': base})[goal] == ('4', False), 'a run of older code'
 
 
+def test_coverage_with_an_effect_is_told_from_the_lowest_to_the_highest_cell():
+    """One parameter at one time misses a fifth, another none; the rest is at 95 %."""
+    some = [case(k, (9.0 if k % 20 == 0 else 0.0,) * 5) for k in range(40)]
+    found = content(some, (92, 10))
+    cells = {entry['time']: entry['coverage'] for entry in found['scores']['lstm']}
+    cells['0.5 s']['m'] = {'share': 0.8, 'error': 0.0}
+    cells['end']['izz'] = {'share': 1.0, 'error': 0.0}
+    goal = 'the same coverage with an undeclared effect'
+    assert judged({'undeclared': found})[goal] == (
+        '80.0 % (m, 0.5 s) to 100.0 % (izz, end), 94.9 % over all', False)
+    cells['0.5 s']['m'] = {'share': 0.9, 'error': 0.0}
+    assert judged({'undeclared': found})[goal][1] is True
+
+
 def test_no_goal_is_reached_with_fewer_cases_than_its_suite_has():
     """Good figures of few cases are told and reach nothing; hours are counted apart."""
     perfect = [case(k, (0.0001, 0.01, 1.0, 1.0, 1.0)) for k in range(3)]

@@ -17,6 +17,13 @@ from ..estimators.load_prior import load_prior
 from ..load import products_jacobian_of_shape
 
 
+def shape_of(load):
+    """Return the shape vector (10,) of LoadParameters (load.py); a load of nothing has none."""
+    shape = load.to_message().copy()
+    shape[4:] = shape[4:] / max(load.mass, 1e-6)
+    return shape
+
+
 class Bound:
     """
     Accumulate information along a recording for a load that is known here.
@@ -26,10 +33,8 @@ class Bound:
     """
 
     def __init__(self, robot, load, noise, rate, start_std):
-        shape = load.to_message().copy()
-        shape[4:] = shape[4:] / max(load.mass, 1e-6)
-        self._robot, self._shape = robot, shape
-        self._jacobian = products_jacobian_of_shape(shape)
+        self._robot, self._shape = robot, shape_of(load)
+        self._jacobian = products_jacobian_of_shape(self._shape)
         self._precision = rate / np.asarray(noise) ** 2
         self._prior = np.diag(load_prior(robot).std ** -2.0)
         # Of the load, of the starts, whose matrix is diagonal, and between them.

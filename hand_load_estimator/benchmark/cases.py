@@ -113,16 +113,21 @@ def case_motion(robot, case):
     return named_motion(case.motion, robot, DURATION, case.speed, case.seed)
 
 
+def case_arguments(case):
+    """Return the Plant's arguments of a Case but for what is hidden."""
+    return {'seed': case.plant, 'run': case.seed, 'start_temperature': case.temperature,
+            'load': case.load}
+
+
+def hidden_effects(robot, case):
+    """Return the EffectRequests that a Case hides."""
+    return tuple(parse_effects(list(case.hidden), robot, f'case {case.seed}'))
+
+
 def case_events(robot, case, effects=()):
     """Yield the plant's events of a Case; effects: EffectRequests beside the case's own."""
-    return motion_events(robot, case_motion(robot, case), **plant_arguments(robot, case, effects))
-
-
-def plant_arguments(robot, case, effects=()):
-    """Return the arguments of a Case's Plant but its start; effects: as of case_events."""
-    effects = (*effects, *parse_effects(list(case.hidden), robot, f'case {case.seed}'))
-    return {'seed': case.plant, 'run': case.seed, 'start_temperature': case.temperature,
-            'load': case.load, 'effects': effects}
+    return motion_events(robot, case_motion(robot, case), **case_arguments(case),
+                         effects=(*effects, *hidden_effects(robot, case)))
 
 
 @dataclass(frozen=True)
@@ -132,11 +137,15 @@ class CaseRun:
     samples: list
     start: float | None
 
+    @staticmethod
+    def of(robot, events):
+        """Return the CaseRun of a list of a plant's events."""
+        return CaseRun(list(stream_samples(robot, events)), motion_start(robot, events))
+
 
 def case_run(robot, case, effects=()):
     """Return the CaseRun of a Case; effects: as of case_events."""
-    events = list(case_events(robot, case, effects))
-    return CaseRun(list(stream_samples(robot, events)), motion_start(robot, events))
+    return CaseRun.of(robot, list(case_events(robot, case, effects)))
 
 
 def motion_start(robot, states):

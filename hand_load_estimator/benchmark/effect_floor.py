@@ -45,12 +45,9 @@ def floor_of(model, motion, effects, **arguments):
     model: the TorqueModel of the same plant without them; arguments: as of Plant, of which the
     recording judged was made.
     """
-    arguments = {**arguments, 'start_position': np.array(motion.position[0], dtype=float)}
-    plant = Plant(model.robot, effects=effects, **arguments)
-    led = LedPlant(model.robot, **arguments)
+    plant, led, events = led_along(model.robot, motion, effects, **arguments)
     measured, of_arm, of_noise = [], [], []
-    for event in follow_motion(plant, motion.time, motion.position, motion.velocity,
-                               motion.acceleration):
+    for event in events:
         measured.append(event)
         known, noise = event, event
         if isinstance(event, JointEvent):
@@ -65,6 +62,18 @@ def floor_of(model, motion, effects, **arguments):
     left = _gain(plant, seen) * _delayed(error, seen.stamp, plant.truth.effort_delay) + noise
     moves = moving(seen)
     return Floor(left, moves & _forgotten(seen.q, plant.truth.friction.presliding), moves)
+
+
+def led_along(robot, motion, effects, **arguments):
+    """
+    Return a Plant with EffectRequests, the LedPlant to be led along its motion, and its events.
+
+    motion: the Trajectory it follows; arguments: as of Plant. The events come one by one.
+    """
+    arguments = {**arguments, 'start_position': np.array(motion.position[0], dtype=float)}
+    plant = Plant(robot, effects=effects, **arguments)
+    return plant, LedPlant(robot, **arguments), follow_motion(
+        plant, motion.time, motion.position, motion.velocity, motion.acceleration)
 
 
 def _motion(robot, events):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..plant import follow_motion, JointEvent
 from ..plant.remembering_plant import RememberingPlant
-from .cases import case_motion, CaseRun, motion_start, plant_arguments, stream_samples
+from .cases import case_arguments, case_motion, CaseRun, hidden_effects, stream_samples
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ def case_run_and_start(robot, case):
     """Return the CaseRun of a Case, the same as case_run's, and its FrictionStart."""
     motion = case_motion(robot, case)
     plant = RememberingPlant(robot, start_position=np.array(motion.position[0], dtype=float),
-                             **plant_arguments(robot, case))
+                             effects=hidden_effects(robot, case), **case_arguments(case))
     events, shares = [], []
     for event in follow_motion(plant, motion.time, motion.position, motion.velocity,
                                motion.acceleration):
         events.append(event)
         if isinstance(event, JointEvent):
             shares.append(replace(event, effort=plant.start_left()))
-    run = CaseRun(list(stream_samples(robot, events)), motion_start(robot, events))
+    run = CaseRun.of(robot, events)
     # In the effort's place it passes the same filter as the torques it is part of.
     left = np.array([sample.effort for sample in stream_samples(robot, shares)])
     return run, FrictionStart(plant.start_std, left)

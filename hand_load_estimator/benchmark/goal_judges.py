@@ -121,14 +121,22 @@ def _undeclared_rows(undeclared):
     goal = ('the same coverage with an undeclared effect', '>= 90 %')
     if undeclared is None:
         return [GoalRow(*goal)]
-    low, high = _range(undeclared)
-    return [GoalRow(*goal, f'{low:.1f} to {high:.1f} %', bool(low >= 90.0))]
+    cells = _cells(undeclared)
+    low, high = (choose(cells, key=cells.get) for choose in (min, max))
+    told = ' to '.join(f'{cells[cell]:.1f} % ({", ".join(cell)})' for cell in (low, high))
+    over_all = sum(cells.values()) / len(cells)
+    return [GoalRow(*goal, f'{told}, {over_all:.1f} % over all', bool(cells[low] >= 90.0))]
 
 
 def _range(suite):
-    shares = [100.0 * e['coverage'][m]['share'] for e in suite.at.values()
-              for m in MESSAGE_ORDER]
+    shares = _cells(suite).values()
     return min(shares), max(shares)
+
+
+def _cells(suite):
+    """Return {(parameter, time): coverage [%]} of a suite."""
+    return {(m, time): 100.0 * e['coverage'][m]['share'] for time, e in suite.at.items()
+            for m in MESSAGE_ORDER}
 
 
 def _rival_rows(base):

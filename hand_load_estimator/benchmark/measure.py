@@ -19,6 +19,7 @@ from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functio
                           RegressorClock)
 from .friction_start import case_run_and_start
 from .offline import offline_beliefs
+from .oracle import added_torque, oracle_of
 from .rivals import COULOMB_VISCOUS
 from .suites import SUITES
 
@@ -63,14 +64,16 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
     methods: names of ours (None: all); rivals: names of offline ones.
     """
     run, friction = case_run_and_start(robot, case)
+    added = added_torque(robot, case) if case.hidden else None
     samples, start = run.samples, run.start
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE, friction.std)
     racing = contestants(robot, models, chosen_methods(methods), learned)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}
-    bounds, start_unknown, due = [], [], list(TIMES)
+    bounds, start_unknown, noted, due = [], [], [], list(TIMES)
 
     def note(beliefs):
-        """Add the bounds and {name: Belief} of now to the rows."""
+        """Add the bounds and {name: Belief} of now, of the last sample, to the rows."""
+        noted.append(sample.stamp)
         bounds.append(bound.std().tolist())
         start_unknown.append(bound.std_start_unknown().tolist())
         for name, belief in beliefs.items():
@@ -90,6 +93,7 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=()):
             'temperature': case.temperature, 'speed': case.speed,
             'hidden': [entry['name'] for entry in case.hidden], 'bound': bounds,
             'bound_start_unknown': start_unknown,
+            'oracle': added and oracle_of(robot, case.load, models['ours'], added, noted),
             'changes': changes.get(DEFAULT, max(changes.values())),
             'changes_of': changes, 'methods': rows,
             'determined_below': np.repeat(determined_std(robot), (1, 3, 6)).tolist(),

@@ -7,6 +7,7 @@ from .contestants import BLIND, DEFAULT, FIXED, OUR_MODEL, REGRESSOR, WITHOUT_NE
 from .document import Heading, Picture, Table, Text
 from .hidden_scores import hidden_blocks
 from .measure import TIMES
+from .oracle_scores import oracle_blocks
 from .scores import rivals_of
 
 # What stands behind a bound's name, or a ratio to it, that does not know what friction was.
@@ -194,6 +195,7 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
             _com_table(scores), _inertia_table(scores[leading(scores)]),
             *_determined_blocks(content.get('inertia')), *_network_blocks(content.get('network')),
             *hidden_blocks(content.get('hidden'), leading(scores)),
+            *oracle_blocks(content.get('oracle'), leading(scores)),
             *_offline_blocks(content.get('offline')), *_interval_blocks(scores),
             *([Heading('Trust'), _trust_table(counts)] if counts.get('mismatch') else []),
             *_cost_blocks(counts)]

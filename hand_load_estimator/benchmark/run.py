@@ -23,6 +23,7 @@ from .hidden_scores import hidden_scores
 from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
+from .oracle_scores import oracle_scores
 from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
                           soak_blocks)
 from .page import leading, suite_blocks
@@ -130,10 +131,11 @@ def _accuracy(name, robot_path, options, raw, write):
                                  todo='see what failed above, or ask for more --cases')
     robot = load_robot(robot_path)
     scores = score(results, robot.rated_load.mass)
+    hidden = name == 'undeclared'
     content = {'overview': overview(results), 'scores': scores,
                'inertia': inertia_scores(results) if name == 'inertia' else {},
-               'hidden': (hidden_scores(results, leading(scores)) if name == 'undeclared'
-                          else {}),
+               'hidden': hidden_scores(results, leading(scores)) if hidden else {},
+               'oracle': oracle_scores(results, leading(scores)) if hidden else {},
                'network': network_shares(scores), 'offline': offline_scores(results),
                'failed': len(jobs) - len(found),
                'fell_back': [m for m in chosen_methods(options.methods) if m not in scores]}
