@@ -162,6 +162,14 @@ def test_the_table_names_effects_at_their_joints():
     assert len(lines) == 4
 
 
+def test_what_may_as_well_be_stands_at_its_own_joints_only():
+    tilt = {**effect('base_tilt', ['lift', 'twist']), 'alternatives': [
+        {'effect': 'cable_drag', 'joints': ['twist'], 'behind': 1.0, 'std': 1.0}]}
+    lines = table({'kr300': report_of([tilt])}).splitlines()
+    assert '| `base_tilt` (confirmed) |' in lines[2]
+    assert '| `base_tilt` or `cable_drag` (confirmed) |' in lines[3]
+
+
 def test_a_joint_without_effects_says_none():
     assert table({'arm': report_of([])}).splitlines()[2].endswith('| none | 34 % structure |')
     quiet = {**report_of([]), 'unexplained': [0.01, 0.0], 'unexplained_most': [0.02, 0.0]}

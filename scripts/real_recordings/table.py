@@ -25,8 +25,10 @@ def _cell(text):
     return ' '.join(str(text).split()).replace('|', '/')
 
 
-def _named(effect):
-    names = dict.fromkeys(other['effect'] for other in effect['alternatives'])
+def _named(effect, joint):
+    """Return an effect and what at this joint is nearly as likely."""
+    names = dict.fromkeys(other['effect'] for other in effect['alternatives']
+                          if joint in other['joints'])
     others = ''.join(f' or `{name}`' for name in names)
     return f'`{effect["name"]}`{others} ({effect["verdict"]})'
 
@@ -39,7 +41,8 @@ def rows_of(name, report):
             report['noise_floor'], report['noise_most'], report['unexplained'],
             report['unexplained_most']):
         noise, share = noise_share[:2], noise_share[2:]
-        effects = [_named(effect) for effect in report['effects'] if joint in effect['joints']]
+        effects = [_named(effect, joint) for effect in report['effects']
+                   if joint in effect['joints']]
         rows.append(f'| {name} | {joint} | {_number(before)} -> {_number(after)} | '
                     f'{_range(*noise, _number)} | {", ".join(effects) or "none"} | '
                     f'{_left(joint, share, report)} |')
