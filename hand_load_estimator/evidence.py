@@ -42,13 +42,31 @@ def recording_numbers(evidence):
     return [marks.index(e.mark) for e in evidence]
 
 
-def prepare(robot, name, motion, load, recording=None):
-    """Return the Evidence of a Motion with the given LoadParameters, from a Recording or not."""
+def prepare(robot, name, motion, load, recording=None, rejected=None):
+    """
+    Return the Evidence of a Motion with the given LoadParameters.
+
+    recording: the Recording it comes from, and rejected {reason: count}, or None.
+    """
+    rejected = rejected or {}
     if len(motion.stamp) == 0:
-        raise RecordingError(f'{name}: holds no usable joint states')
+        raise RecordingError(f'{name}: {_why_empty(robot, recording, rejected)}')
     torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
     messages = np.empty(0, np.uint64) if recording is None else message_digests(recording)
     if load.mass == 0.0:
-        return Evidence(name, motion, torque, messages=messages)
+        return Evidence(name, motion, torque, messages=messages, rejected=rejected)
     held = robot.load_columns(shown_links(robot, motion)) @ load.to_products()
-    return Evidence(name, motion, torque - held, load, messages)
+    return Evidence(name, motion, torque - held, load, messages, rejected)
+
+
+def _why_empty(robot, recording, rejected):
+    """Return in words what the joint states lack of which none is usable."""
+    states = recording.joint_samples if recording is not None else []
+    if not states:
+        return 'holds no usable joint states'
+    foreign = not rejected or 'missing_joint' in rejected
+    why = (f'their joints are {", ".join(states[0].names)}, those of the robot file '
+           f'{", ".join(robot.joints)}' if foreign else
+           ', '.join(f'{count} {reason.replace("_", " ")}' for reason, count in rejected.items()))
+    return (f'holds no usable joint states among {len(states)}: {why}; give the robot file of '
+            'this arm, and see `hand_load check`')

@@ -136,9 +136,17 @@ def assert_nothing_made_up(capsys, status, report):
 def test_other_joint_names_are_refused(folder, capsys):
     """Alone, and among recordings of the right arm."""
     write(folder / 'stranger', renamed(run(1)))
-    assert 'stranger' in refused(folder, capsys, 'stranger')
+    said = refused(folder, capsys, 'stranger')
+    assert 'stranger' in said and 'axis_0, axis_1' in said and run(1)[0].names[0] in said
     assert 'stranger' in refused(folder, capsys, 'clean1', 'stranger')
     assert 'stranger' in refused(folder, capsys, 'clean1', '--test', 'stranger')
+
+
+def test_a_recording_of_which_nothing_is_usable_says_why(folder, capsys):
+    nothing = [replace(m, effort=np.full(len(m.effort), np.nan)) for m in run(1)[:300]]
+    write(folder / 'nothing', nothing)
+    said = refused(folder, capsys, 'nothing')
+    assert 'among 300: 300 not finite' in said and 'hand_load check' in said
 
 
 def test_effort_of_the_other_sign_is_refused(folder, capsys):

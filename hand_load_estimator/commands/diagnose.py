@@ -1,6 +1,5 @@
 """`hand_load diagnose`: find what a torque model lacks, add it, report before and after."""
 
-from dataclasses import replace
 import json
 from pathlib import Path
 import sys
@@ -78,8 +77,7 @@ def _read(model, path, args, given):
     recording = read_recording(path, **topics(args))
     load = given if given is not None else known_load(recording)
     motion, rejected = motion_of(model.robot, recording)
-    evidence = replace(prepare(model.robot, Path(path).name, motion, load, recording),
-                       rejected=rejected)
+    evidence = prepare(model.robot, Path(path).name, motion, load, recording, rejected)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
     return evidence, recording, load
 

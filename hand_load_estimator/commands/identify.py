@@ -40,7 +40,8 @@ def read_evidence(robot, args):
         recording = read_recording(path, **topics(args))
         load = given if given is not None else known_load(recording)
         motion, rejected = motion_of(robot, recording)
-        evidence.append(prepare(robot, Path(path).name, motion, load, recording))
+        evidence.append(prepare(robot, Path(path).name, motion, load, recording,
+                                rejected))
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
              f'{sum(rejected.values())}')
     refuse_repeats(evidence)
