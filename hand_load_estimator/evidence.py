@@ -1,10 +1,11 @@
 """Recordings made ready for identification: motion, and torque less a known load's."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from .clipped_effort import clipped_rows
 from .errors import RecordingError
 from .load import LoadParameters
 from .recording_mark import content_of, message_digests, RecordingMark
@@ -20,7 +21,8 @@ class Evidence:
 
     load: LoadParameters declared, which drives and gears carry all the same; messages (M,)
     uint64: of the whole recording, as of recording_mark.message_digests, none where it is not on
-    disk; rejected {reason: count}: input of the whole recording that was not used.
+    disk; rejected {reason: count}: input of the whole recording that was not used; clipped (N, n)
+    bool: rows whose effort was cut off, or None where that is not known.
     """
 
     name: str
@@ -29,6 +31,17 @@ class Evidence:
     load: LoadParameters = field(default_factory=LoadParameters)
     messages: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint64))
     rejected: dict = field(default_factory=dict)
+    clipped: np.ndarray | None = None
+
+    @property
+    def tells(self):
+        """Rows (N, n) bool whose torque is that of the joint."""
+        return np.ones(self.torque.shape, bool) if self.clipped is None else ~self.clipped
+
+    def part(self, rows):
+        """Return the Evidence of some rows."""
+        return replace(self, motion=self.motion.part(rows), torque=self.torque[rows],
+                       clipped=None if self.clipped is None else self.clipped[rows])
 
     @cached_property
     def mark(self):
@@ -52,11 +65,12 @@ def prepare(robot, name, motion, load, recording=None, rejected=None):
     if len(motion.stamp) == 0:
         raise RecordingError(f'{name}: {_why_empty(robot, recording, rejected)}')
     torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
-    messages = np.empty(0, np.uint64) if recording is None else message_digests(recording)
-    if load.mass == 0.0:
-        return Evidence(name, motion, torque, messages=messages, rejected=rejected)
-    held = robot.load_columns(shown_links(robot, motion)) @ load.to_products()
-    return Evidence(name, motion, torque - held, load, messages, rejected)
+    if load.mass > 0.0:
+        torque -= robot.load_columns(shown_links(robot, motion)) @ load.to_products()
+    if recording is None:
+        return Evidence(name, motion, torque, load, rejected=rejected)
+    return Evidence(name, motion, torque, load, message_digests(recording), rejected,
+                    clipped_rows(robot, motion, recording))
 
 
 def _why_empty(robot, recording, rejected):

@@ -100,8 +100,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     drift = drift_of(system, left_out.residual, weights)
     sliding = sliding_rms(left_out.residual,
-                          surely_slides(system.velocity, system.z, system.doubt), system.dt,
-                          system.owner)
+                          surely_slides(system.velocity, system.z, system.doubt)
+                          & system.tells, system.dt, system.owner)
     residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift, sliding,
                           share_left_out(system, held_out(system, mean, covariance, stated),
                                          stated, drift))

@@ -29,6 +29,7 @@ class System:
             for (x, _), e in zip(inputs, evidence)])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
+        self.tells = np.concatenate([e.tells for e in evidence])
         self.dt = np.concatenate([e.motion.dt for e in evidence])
         self.owner = np.concatenate([np.full(len(e.torque), k) for k, e in enumerate(evidence)])
         self.recording = np.concatenate([
@@ -53,12 +54,12 @@ class System:
         return out
 
     def weights(self, intensity, friction):
-        """Return (N, n): dt / density, less where the friction state is in doubt."""
+        """Return (N, n): dt / density, less where friction is in doubt, 0 where nothing tells."""
         stuck = stuck_density(self.z, self.doubt, self.velocity, self.acceleration, friction)
         for k in np.unique(self.owner):
             rows = self.owner == k
             stuck[rows] = as_reported(self._uses, stuck[rows], self.dt[rows])
-        return self.dt[:, None] / (intensity + stuck)
+        return np.where(self.tells, self.dt[:, None] / (intensity + stuck), 0.0)
 
     def solve(self, mean, covariance, weights):
         """Return the posterior mean and covariance of x (eq. 11)."""

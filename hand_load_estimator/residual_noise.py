@@ -36,7 +36,7 @@ def density(residual, weights, owner, dt):
 
 def rmse_of(robot, system, residual):
     """Return the RMS (n,) [Nm] of a residual (N, n) of a System while joints surely slide."""
-    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9)
+    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9) & system.tells
     rmse = np.sqrt((moving * residual ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
     # A joint that never slid shows no noise; it has some.
     return np.maximum(rmse, LEAST_NOISE * robot.limits.torque)

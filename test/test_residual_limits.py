@@ -9,7 +9,7 @@ import pytest
 from residual_helpers import cable, cut, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.limits import (refuse_the_useless, saturated_rows, still_joints,
+from hand_load_estimator.residual.limits import (refuse_the_useless, still_joints,
                                                  too_little_gained, warmed_joints)
 
 
@@ -90,29 +90,3 @@ def test_a_joint_that_never_moves_is_named():
     assert list(still_joints(model, evidence)) == [2]
     assert 'j2' in still_joints(model, evidence)[2]
     assert not still_joints(model, [*evidence, recorded()[0]])
-
-
-def efforts(torque, evidence):
-    return replace(evidence, motion=replace(evidence.motion, effort=torque), torque=torque)
-
-
-def test_rows_at_the_drives_limit_are_found():
-    model, evidence = declared_model(), recorded()[0]
-    rows, sentences = saturated_rows(model, [efforts(evidence.torque, evidence)])
-    assert not rows.any() and not sentences
-    limit = np.quantile(np.abs(evidence.torque[:, 1]), 0.8)
-    clipped = evidence.torque.copy()
-    clipped[:, 1] = np.clip(clipped[:, 1], -limit, limit)
-    rows, sentences = saturated_rows(model, [efforts(clipped, evidence)])
-    np.testing.assert_array_equal(rows[:, 1], np.abs(clipped[:, 1]) > 0.998 * limit)
-    assert not rows[:, [0, 2, 3]].any()
-    assert len(sentences) == 1 and 'j1' in sentences[0] and '20 %' in sentences[0]
-
-
-def test_a_joint_at_rest_is_not_at_its_limit():
-    """A held joint's effort is the same all the time and far from what the drive can do."""
-    model, evidence = declared_model(), recorded()[0]
-    torque = evidence.torque.copy()
-    torque[:, 0] = 3.0
-    rows, sentences = saturated_rows(model, [efforts(torque, evidence)])
-    assert not rows.any() and not sentences

@@ -29,6 +29,7 @@ def add_arguments(parser):
 
 def read_evidence(robot, args):
     """Return a list of Evidence: recordings of the arguments, with --load or their load.yaml."""
+    from ..clipped_effort import clipped_efforts
     from ..evidence import prepare
     from ..joint_stream import motion_of
     from ..load_file import load_of_argument
@@ -45,6 +46,8 @@ def read_evidence(robot, args):
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
              f'{sum(rejected.values())}')
     refuse_repeats(evidence)
+    for said in clipped_efforts(robot, evidence):
+        _say(said)
     return evidence
 
 

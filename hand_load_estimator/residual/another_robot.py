@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import RecordingError
 from .load_change import looks_loaded, OVERLOAD
 from .standing import is_held
+from .wrong_joint import wrong_joint
 
 # Every so many rows are looked at: what is wrong here is wrong all the time.
 EVERY = 10
@@ -17,6 +18,8 @@ LOADED = 5.0
 # Published torque constants of one arm differ by 13 %, those of arms of a family and others by
 # more than half. One joint's may be wrong by anything.
 GAIN, FEWEST = 1.5, 2
+# A joint moves that is so fast [rad/s] for such a share of the time.
+MOVES, OFTEN = 0.05, 0.1
 SLIDES = 0.01          # [rad/s] from which on friction has the sign of the velocity
 # What is said to be wrong must explain this share of what the model leaves; a load, more of it
 # than gains do.
@@ -27,6 +30,7 @@ def refuse_another_robot(model, evidence):
     """
     Raise RecordingError where a model does not belong to the arm, unit or mounting at all.
 
+    Nor where one joint was recorded wrongly (wrong_joint.py).
     An arm that carries much more than is declared looks like a heavier one, and is told apart.
     """
     for mark in dict.fromkeys(e.mark for e in evidence):
@@ -37,10 +41,11 @@ def refuse_another_robot(model, evidence):
             continue    # What a pose alone tells is judged by standing.py.
         rows = _Rows(model, parts)
         little, size = rows.little_explained(), rows.of_another_size()
-        load = rows.another_load() if little or size else ''
+        wrong = little or size or wrong_joint(model, parts)
+        load = rows.another_load() if wrong else ''
         # What another load explains the diagnosis finds, if the model explains anything at all.
-        if little or size and not load:
-            raise RecordingError(f'{mark.name}: {load or little or size}')
+        if little or wrong and not load:
+            raise RecordingError(f'{mark.name}: {load or wrong}')
 
 
 class _Rows:
@@ -73,7 +78,9 @@ class _Rows:
 
     def little_explained(self):
         """Return a sentence where the model explains next to nothing, else ''."""
-        loaded = self._modelled.std(axis=0) > LOADED * self._model.noise
+        # A joint that others shake while it is held shows friction's torque.
+        moves = np.mean(np.abs(self._v) > MOVES, axis=0) > OFTEN
+        loaded = moves & (self._modelled.std(axis=0) > LOADED * self._model.noise)
         if not loaded.any() or np.median(left(self._measured, self._modelled)[loaded]) <= STRANGE:
             return ''
         return ('the model explains less than half of the torque of half the joints that carry '

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 
+from ..clipped_effort import clipped_efforts
 from ..identification import prior
 from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
@@ -20,8 +21,7 @@ from .findings import findings_of, refuted
 from .folds import only_suspected, repeated
 from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names, made_from
-from .limits import (refuse_the_useless, saturated_rows, still_joints, too_little_gained,
-                     warmed_joints)
+from .limits import refuse_the_useless, still_joints, too_little_gained, warmed_joints
 from .load_change import load_change
 from .not_named import sentences_on
 from .rest import rest_of
@@ -53,20 +53,21 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         return diagnose_standing(model, evidence, lambda: time.monotonic() - began), model
     refuse_the_useless(model, evidence)
     progress('looking for contacts and changes of the load')
-    whole, _, _ = _residual(model, evidence)
+    whole, _ = _residual(model, evidence)
     outside = _outside(model, evidence, whole)
     names = tuple(e.name for e in evidence)
     seen = known_names(model, evidence if kept else test)
     by_name = known_by_name_only(model, [*evidence, *test])
     left_out = _left_out(evidence, whole, outside) if kept else 0.0
-    told = [*long_loads(evidence, whole, outside.found), *many_rejected(evidence)]
+    told = [*long_loads(evidence, whole, outside.found), *many_rejected(evidence),
+            *clipped_efforts(model.robot, [*evidence, *test])]
     left, test = _parts(evidence, whole, outside, test)
     refuse_too_short(left, evidence, whole, outside.found)
     evidence = left
     refuse_the_useless(model, evidence)
     warmed, sentences = warmed_joints(model, evidence)
     progress('computing the residual')
-    residual, still, limited = _residual(model, evidence)
+    residual, still = _residual(model, evidence)
     own = made_from(model, evidence)
     trace, rest = _traced(model, residual, warmed, own, progress)
     progress('estimating everything together')
@@ -82,7 +83,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
                               (names, whole, outside.found), (before, after))
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
-    cannot = [*by_name, *told, *sentences, *still.values(), *limited,
+    cannot = [*by_name, *told, *sentences, *still.values(),
               *repeated(residual.cut, evidence, test),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,
@@ -118,13 +119,12 @@ def _found(models, residual, traced, outside, errors):
 
 
 def _residual(model, evidence):
-    """Return (Residual of usable rows, {joint index: why it tells nothing}, sentences)."""
+    """Return (Residual of usable rows, {joint index: why it tells nothing})."""
     still = still_joints(model, evidence)
-    saturated, limited = saturated_rows(model, evidence)
     residual = find_residual(model, evidence)
-    weights = np.where(saturated, 0.0, residual.weights)
+    weights = residual.weights.copy()
     weights[:, list(still)] = 0.0
-    return replace(residual, weights=weights), still, limited
+    return replace(residual, weights=weights), still
 
 
 def _outside(model, evidence, residual):

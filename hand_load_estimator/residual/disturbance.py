@@ -272,9 +272,5 @@ def undisturbed(evidence, rows, share=(0.0, 1.0)):
     spans = [slice(a, b) for a, b in zip(edges[::2], edges[1::2])]
     lengths = [evidence.motion.dt[span].sum() for span in spans]
     # The longest is kept however short it is, so that something of every recording is left.
-    return [_part(evidence, span) for span, length in zip(spans, lengths)
+    return [evidence.part(span) for span, length in zip(spans, lengths)
             if length >= min(SHORTEST_PART, max(lengths))]
-
-
-def _part(evidence, rows):
-    return replace(evidence, motion=evidence.motion.part(rows), torque=evidence.torque[rows])

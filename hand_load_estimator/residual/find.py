@@ -159,14 +159,15 @@ def _of_recording(model, evidence, compared):
     sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
     stuck = stuck_density(x.z, doubt, x.v, x.a, level)
     density = sliding + as_reported(model.uses, stuck, motion.dt)
-    known = (doubt < 0.1) & (np.abs(x.v) > 0.01)
+    tells = evidence.tells
+    known = (doubt < 0.1) & (np.abs(x.v) > 0.01) & tells
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
-    weights = np.where(smeared(x.v, x.a), 0.0, motion.dt[:, None] / density)
+    weights = np.where(smeared(x.v, x.a) | ~tells, 0.0, motion.dt[:, None] / density)
     moving = known & (np.abs(x.z) > 0.9)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
             'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),
             'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
-            'sliding': surely_slides(x.v, x.z, doubt)}
+            'sliding': surely_slides(x.v, x.z, doubt) & tells}
 
 
 def _complete(model, x, columns, dt, load):

@@ -9,7 +9,6 @@ from .time_left import names, refuse_too_short
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
-SATURATED, HELD = 0.02, 0.9   # shares of the time at the largest effort
 NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
 
@@ -52,23 +51,6 @@ def still_joints(model, evidence):
                     & (np.ptp(e.motion.q, axis=0) >= POSE) for e in evidence], axis=0)
     return {int(j): f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because '
             'it never moves in what is diagnosed' for j in np.flatnonzero(~moves)}
-
-
-def saturated_rows(model, evidence):
-    """Return (rows (N, n) bool at the drive's limit, sentences)."""
-    rows, sentences = [], []
-    for e in evidence:
-        effort = np.abs(e.motion.effort)
-        top = effort.max(axis=0)
-        at = (effort > 0.998 * top) & (top > 0.0)
-        share = at.mean(axis=0)
-        # An effort that never changes belongs to a joint that is held.
-        bad = (share > SATURATED) & (share < HELD)
-        sentences += [f'{e.name}: the effort of {model.robot.joints[j]} stands at its largest '
-                      f'value for {100 * share[j]:.0f} % of the time; those samples are left out'
-                      for j in np.flatnonzero(bad)]
-        rows.append(at & bad)
-    return np.concatenate(rows), sentences
 
 
 def too_little_gained(robot, candidates, needed, joints):

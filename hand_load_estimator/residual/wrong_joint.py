@@ -1,0 +1,151 @@
+"""
+Is one joint of a recording told wrongly: its effort, its sign, its place among the others?
+
+A cable in another socket, a sign in a driver's settings, a sensor that tells nothing: each is
+explained by a gain or an offset that no drive has, and would be written into the model.
+"""
+
+import numpy as np
+
+# Rows looked at: what is wrong here is wrong all the time.
+MOST, FEWEST = 400, 20
+MOVES = 0.05           # [rad/s]
+# A joint shows its torque where the model's varies by so many times its noise, and more than any
+# effect that is not in the model from the second on.
+SHOWN, LOADED = 2.0, 5.0
+# Shares of a joint's variance left from which on it is odd, and from which on wrong.
+ODD, WRONG = 0.1, 0.5
+# What tells nothing has no more than this share of the variance that there should be, and shows
+# no more than this share of it.
+DEAD, UNLIKE = 0.01, 0.1
+# No torque constant, and no gear that was exchanged, is off by so much.
+LEAST_GAIN, MOST_GAIN = 0.2, 5.0
+# A mistake is one when undoing it leaves less than this share of the squared error.
+UNDONE = 0.25
+# The worst rows may be a push's.
+USUAL = 0.9
+
+
+def wrong_joint(model, parts):
+    """Return a sentence on what the parts (Evidence) of one recording tell wrongly, or ''."""
+    rows = _Rows(model, parts)
+    torques = rows.torques()
+    joints = [_Joint(name, *rows.of_joint(j, *torques), noise)
+              for j, (name, noise) in enumerate(zip(model.robot.joints, model.noise))
+              if rows.moves(j).sum() >= FEWEST]
+    shown = [joint for joint in joints if joint.load > SHOWN]
+    dead = [joint.name for joint in shown if joint.dead]
+    if dead:
+        return (f'the effort of {", ".join(dead)} tells nothing: it does not change with the '
+                'motion; try `hand_load check`')
+    mistake = _mistake(model, rows) if any(joint.left > ODD for joint in shown) else ''
+    if mistake:
+        return (f'fits the model once {mistake}, so it was recorded wrongly; correct the driver '
+                'or the robot file, and try `hand_load check`')
+    wrong = [f'{joint.gain:.2g} times at {joint.name}' for joint in shown if joint.impossible]
+    if not wrong:
+        return ''
+    return (f'the torque recorded is not the model\'s but {", ".join(wrong)}; no torque constant '
+            'is off by so much; the effort has another unit or belongs to another joint; try '
+            '`hand_load check`')
+
+
+class _Joint:
+    """One moving joint: its torque measured and modelled (M,) [Nm], its noise [Nm]."""
+
+    def __init__(self, name, measured, modelled, noise):
+        self.name = name
+        error = np.abs(measured - modelled)
+        usual = error <= np.quantile(error, USUAL)
+        own = np.maximum(modelled[usual].var(), 1e-12)
+        self.load = np.sqrt(own) / noise
+        self.left = np.mean(error[usual] ** 2) / own
+        self._varies = measured[usual].var() / own
+        self.gain = np.cov(measured[usual], modelled[usual], bias=True)[0, 1] / own
+
+    @property
+    def dead(self):
+        """Whether hardly anything changes, and not as it should."""
+        return self._varies < DEAD and self.gain ** 2 <= UNLIKE * self._varies
+
+    @property
+    def impossible(self):
+        """Whether no drive has such a gain."""
+        return self.load > LOADED and self.left > WRONG \
+            and not LEAST_GAIN < self.gain < MOST_GAIN
+
+
+class _Rows:
+    """Some rows of the parts of one recording, in which something moves, for a TorqueModel."""
+
+    def __init__(self, model, parts):
+        self._model, self._load = model, parts[0].load
+        motion = [np.concatenate([getattr(e.motion, name) for e in parts])
+                  for name in ('q', 'v', 'a', 'temperature')]
+        moving = np.flatnonzero((np.abs(motion[1]) > MOVES).any(axis=1))
+        some = moving[::max(1, len(moving) // MOST)]
+        *self._motion, self._temperature = (values[some] for values in motion)
+        torque = np.concatenate([e.torque for e in parts])[some]
+        self._constants = model.robot.effort.torque_constants
+        self._reported = (torque + self._held(self._motion)) / self._constants
+
+    def moves(self, j):
+        """Tell in which rows (M,) a joint moves."""
+        return np.abs(self._motion[1][:, j]) > MOVES
+
+    def of_joint(self, j, *torques):
+        """Return the torques (m,) of a joint, of (M, n) each, while it moves."""
+        return [torque[self.moves(j), j] for torque in torques]
+
+    def torques(self, signs=None, order=None, only_efforts=False):
+        """
+        Return torques (M, n) measured less the load's, and modelled.
+
+        signs (n,): of the efforts or of the angles; order (n,): of the efforts or of everything.
+        """
+        n = self._model.robot.n
+        signs = np.ones(n) if signs is None else signs
+        order = np.arange(n) if order is None else order
+        motion, reported = self._motion, self._reported[:, order]
+        if only_efforts:
+            reported = reported * signs
+        else:
+            motion = [(values * signs)[:, order] for values in motion]
+        modelled = np.array([self._model.torque(*row)
+                             for row in zip(*motion, self._temperature)])
+        return reported * self._constants - self._held(motion), modelled
+
+    def _held(self, motion):
+        """Return the torque (M, n) of the declared load."""
+        if self._load.mass == 0.0:
+            return 0.0
+        robot = self._model.robot
+        return np.array([robot.load_regressor(*row) for row in zip(*motion)]) \
+            @ self._load.to_products()
+
+
+def _mistake(model, rows):
+    """Return in words what undone makes the recording fit the model, or ''."""
+    joints = model.robot.joints
+    n, tried = len(joints), []
+    for i in range(n):
+        signs = np.where(np.arange(n) == i, -1.0, 1.0)
+        tried += [({'signs': signs}, f'the angle of {joints[i]} counts the other way'),
+                  ({'signs': signs, 'only_efforts': True},
+                   f'the effort of {joints[i]} has the other sign')]
+        for j in range(i):
+            order = np.arange(n)
+            order[[i, j]] = j, i
+            both = f'of {joints[j]} and {joints[i]} are exchanged'
+            tried += [({'order': order, 'only_efforts': True}, f'the efforts {both}'),
+                      ({'order': order}, f'angles and efforts {both}')]
+    limit = UNDONE * _error(model, *rows.torques())
+    error, words = min(((_error(model, *rows.torques(**how)), words)
+                        for how, words in tried), key=lambda pair: pair[0])
+    return words if error < limit else ''
+
+
+def _error(model, measured, modelled):
+    """Return the squared error in units of the noise, of all joints, without the worst rows."""
+    squares = np.sort((measured - modelled) ** 2, axis=0)[:int(USUAL * len(measured))]
+    return float((squares.mean(axis=0) / model.noise ** 2).sum())

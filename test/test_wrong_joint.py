@@ -1,0 +1,80 @@
+"""One joint recorded wrongly is refused with what was mixed up; what arms have is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from residual_helpers import cable, declared_model, on, recorded, viscous
+
+from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.residual.another_robot import refuse_another_robot
+from hand_load_estimator.residual.wrong_joint import wrong_joint
+
+
+def told(torque=None, **motion):
+    """Return what is said of a good run with other torques, or angles."""
+    run = recorded()[0]
+    changed = replace(run.motion, **motion)
+    return wrong_joint(declared_model(), [replace(run, motion=changed, torque=run.torque
+                                                  if torque is None else torque)])
+
+
+def turned(*joints):
+    """Return q, v, a of a run with some angles that count the other way."""
+    motion = recorded()[0].motion
+    signs = np.where(np.isin(np.arange(4), joints), -1.0, 1.0)
+    return {name: getattr(motion, name) * signs for name in ('q', 'v', 'a')}
+
+
+def test_good_recordings_are_let_through():
+    assert told() == ''
+
+
+@pytest.mark.parametrize('joint', range(4))
+def test_an_effort_of_the_other_sign_is_named(joint):
+    torque = recorded()[0].torque.copy()
+    torque[:, joint] *= -1.0
+    assert f'effort of j{joint} has the other sign' in told(torque)
+
+
+@pytest.mark.parametrize('joint', range(4))
+def test_an_angle_of_the_other_sign_is_named(joint):
+    said = told(**turned(joint))
+    # Without gravity on it the sign of a joint's angle and that of its effort are the same.
+    assert f'the angle of j{joint} counts the other way' in said \
+        or joint == 0 and 'the effort of j0 has the other sign' in said
+
+
+@pytest.mark.parametrize('value', [0.0, 3.0])
+def test_an_effort_that_tells_nothing_is_named(value):
+    torque = recorded()[0].torque.copy()
+    torque[:, 2] = value
+    assert told(torque).startswith('the effort of j2 tells nothing')
+
+
+def test_exchanged_joints_are_named():
+    run, order = recorded()[0], [0, 2, 1, 3]
+    assert 'the efforts of j1 and j2 are exchanged' in told(run.torque[:, order])
+    motion = {name: getattr(run.motion, name)[:, order] for name in ('q', 'v', 'a')}
+    assert 'angles and efforts of j1 and j2 are exchanged' in told(run.torque[:, order], **motion)
+
+
+def test_an_effort_in_another_unit_is_named():
+    torque = recorded()[0].torque.copy()
+    torque[:, 1] *= 0.01
+    assert '0.01 times at j1' in told(torque)
+
+
+@pytest.mark.parametrize('hidden', [(1, 8.0, viscous), (2, 8.0, cable), (3, 8.0, viscous)])
+def test_what_an_arm_has_of_its_own_is_none(hidden):
+    model = declared_model()
+    for run in recorded(on(*hidden)):
+        assert wrong_joint(model, [run]) == ''
+
+
+def test_the_wrong_one_among_good_recordings_is_named():
+    runs = recorded()
+    torque = runs[2].torque.copy()
+    torque[:, 1] *= -1.0
+    with pytest.raises(RecordingError, match='^run 2: .*effort of j1 has the other sign'):
+        refuse_another_robot(declared_model(), [*runs[:2], replace(runs[2], torque=torque)])
