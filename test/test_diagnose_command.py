@@ -3,6 +3,7 @@
 from datetime import datetime
 import hashlib
 import json
+import shutil
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -85,6 +86,19 @@ def test_the_load_is_estimated_better(found):
     error = found['load_error']
     assert error['after']['mass_rmse'] < error['before']['mass_rmse']
     assert error['after']['mass_rmse'] < 0.05 * LOAD.mass
+
+
+def test_a_load_of_which_only_the_mass_is_known_tells_its_error(folder, found):
+    """Errors of torques are those of the other test alone."""
+    shutil.copytree(folder / 'loaded', folder / 'weighed')
+    (folder / 'weighed' / 'load.yaml').write_text(f'mass: {LOAD.mass}\n')
+    status, report = diagnosed(folder, 'run1', 'run2', '--test', 'test', 'weighed', out='weighing')
+    error = report['load_error']
+    assert status == 0 and error['before']['n'] == error['after']['n'] == 1
+    assert error['after']['com_rmse'] is None
+    assert error['after']['mass_rmse'] == pytest.approx(found['load_error']['after']['mass_rmse'],
+                                                        rel=0.2)
+    assert report['tested_on'] == 'test'
 
 
 def test_an_assumed_load_tells_no_error():

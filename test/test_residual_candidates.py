@@ -1,11 +1,14 @@
 """Candidates: which gain is sure, and which rivals cannot be told from the best."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hand_load_estimator.residual.candidate import Candidate, significant, standard_error
+from hand_load_estimator.residual.blocks import Score
+from hand_load_estimator.residual.candidate import (Candidate, joined, significant,
+                                                    standard_error, Step)
 from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.trace import Trace
 
@@ -63,3 +66,20 @@ def test_what_gains_no_more_than_chance_is_no_alternative():
     weak = candidate('torque_offset', 60.0, 40.0)
     step = Trace._step(None, best, [best, rival, weak], 30.0)
     assert step.alternatives == (rival,)
+
+
+def test_a_joint_that_was_taken_along_and_shows_nothing_beside_the_others_is_left_out():
+    gains = {0: 90.0, 1: 2.0, 2: 80.0}
+
+    def parts(found):
+        return tuple((Hypothesis('torque_scale', j, {j: np.ones((4, 1))}, np.ones(1)),
+                      Score(gain, 1.0, np.full(10, gain / 10.0), np.ones(1), np.eye(1), {j: gain}))
+                     for j, gain in found.items())
+    chosen = joined('torque_scale', parts({0: 100.0, 1: 50.0, 2: 90.0}))
+    again = joined('torque_scale', parts(gains))
+    trace = SimpleNamespace(_strong=lambda _, score: score.gain > 8.0)
+    step = Step(chosen, (), None, 30.0)
+    kept = Trace._where_it_shows(trace, step, again)
+    assert kept.chosen.joints == [0, 2] and kept.chosen.gain == pytest.approx(190.0)
+    gains[1] = 40.0
+    assert Trace._where_it_shows(trace, step, joined('torque_scale', parts(gains))) is step

@@ -72,6 +72,16 @@ def test_a_change_may_not_lead_below_zero(change, declared, allowed):
     assert physical(hypothesis, score, declared) is allowed
 
 
+@pytest.mark.parametrize('gain, declared, allowed', [
+    (-0.6, None, True), (-0.9, None, False), (-2.0, None, False), (3.5, None, True),
+    (5.0, None, False), (-0.5, 0.1, True), (-0.5, -0.4, False)])
+def test_no_torque_constant_has_another_sign_or_is_off_by_five(gain, declared, allowed):
+    hypothesis = Hypothesis('torque_scale', 1, {1: np.ones((3, 1))}, np.array([0.1]))
+    score = Score(50.0, 5.0, np.ones(12), np.array([gain / 0.1]), np.array([[0.05 ** 2]]), {})
+    declared = declared and (np.array([declared]), np.array([0.01]))
+    assert physical(hypothesis, score, declared) is allowed
+
+
 def test_less_friction_than_none_is_not_named():
     """The drive helps the motion by more than its friction was: no figure of friction."""
     model = declared_model()

@@ -77,7 +77,7 @@ def _write_load(folder, load):
     (folder / 'load.yaml').write_text(f'{text.rstrip()}\n', encoding='utf-8')
 
 
-def _linked(run, folder, load):
+def linked(run, folder, load):
     """Make a folder that shows a run's files and states its load; return the folder."""
     folder.mkdir(parents=True)
     for file in run.iterdir():
@@ -125,5 +125,5 @@ def stage(chosen, source, folder):
     folder.mkdir(parents=True)
     if not chosen.test:
         return _cut_run(source / chosen.train[0], folder, chosen.load)
-    return tuple([_linked(source / run, folder / run, chosen.load) for run in runs]
+    return tuple([linked(source / run, folder / run, chosen.load) for run in runs]
                  for runs in (chosen.train, chosen.test))

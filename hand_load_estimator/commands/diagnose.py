@@ -18,7 +18,8 @@ def add_arguments(parser):
                         help='folder for report.html, report.json and model.yaml')
     parser.add_argument('--test', nargs='+', default=[], metavar='BAG',
                         help='recordings used only for the errors before and after; those with a '
-                             'known load also for the error of the load estimate')
+                             'known load also for the error of the load estimate, and only for '
+                             'that where nothing but its mass is known')
     parser.add_argument('--load', metavar='none|L.yaml', default=None,
                         help='load in all recordings but those to test on; without it each '
                              'load.yaml says')
@@ -33,18 +34,22 @@ def run(args):
     """Diagnose, write report and model, say what was found."""
     from ..load_file import load_of_argument
     from ..model_file import read_model, write_model
+    from ..recording_mark import refuse_repeats
     from ..report.diagnosis_json import diagnosis_content
     from ..report.diagnosis_page import headline, write_page
     from ..residual.diagnose import diagnose
-    from ..residual.load_error import with_load_errors
+    from ..residual.load_error import known_torque, with_load_errors
     from ..shared_files import find_shared
-    from .identify import dated, placed
+    from .identify import dated, known_load, placed, stated_load
     model = read_model(find_shared(args.model, 'models'))
     start = args.fine_tune and _artefact(args.fine_tune, model.robot)
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
-    evidence = [_read(model, path, args, given)[0] for path in args.recordings]
-    tests = [_read(model, path, args, None) for path in args.test]
-    diagnosis, better = diagnose(model, evidence, [e for e, _, _ in tests], _say)
+    load = known_load if given is None else lambda recording: given
+    evidence = [_read(model, path, args, load)[0] for path in args.recordings]
+    tests = [_read(model, path, args, stated_load) for path in args.test]
+    refuse_repeats(evidence, [e for e, _, _ in tests])
+    diagnosis, better = diagnose(model, evidence, [e for e, _, _ in filter(known_torque, tests)],
+                                 _say)
     diagnosis = with_load_errors(diagnosis, model, better, tests)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
@@ -68,14 +73,13 @@ def run(args):
     return 0
 
 
-def _read(model, path, args, given):
-    """Return (Evidence, Recording, known load) of one recording."""
+def _read(model, path, args, load_of):
+    """Return (Evidence, Recording, LoadParameters) of one recording; load_of(Recording)."""
     from ..evidence import prepare
     from ..joint_stream import motion_of
     from ..recording import read_recording
-    from .identify import known_load
     recording = read_recording(path, **topics(args))
-    load = given if given is not None else known_load(recording)
+    load = load_of(recording)
     motion, rejected = motion_of(model.robot, recording)
     evidence = prepare(model.robot, Path(path).name, motion, load, recording, rejected)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')

@@ -81,12 +81,17 @@ def dated(model, sliding):
 
 
 def known_load(recording):
-    """Return the load of a recording's load.yaml; refuse a recording that has none."""
+    """Return the load of a recording's load.yaml, placed; refuse a recording that has none."""
+    return placed(stated_load(recording), recording.load_known, f'{recording.path}: load.yaml')
+
+
+def stated_load(recording):
+    """Return the load of a recording's load.yaml, a mass alone too; refuse one that has none."""
     from ..errors import RecordingError
     if recording.load is None:
         raise RecordingError(f'{recording.path}: does not say its load; add a load.yaml (none, or '
                              'mass, com, inertia) or give --load')
-    return placed(recording.load, recording.load_known, f'{recording.path}: load.yaml')
+    return recording.load
 
 
 def placed(load, known, where):

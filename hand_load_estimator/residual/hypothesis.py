@@ -7,6 +7,7 @@ import numpy as np
 from ..effects import EFFECTS
 from ..effects.own_travel import OWN_TRAVEL
 from .impossible import SURE
+from .wrong_joint import LEAST_GAIN, MOST_GAIN
 
 # A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
 WHOLE, DOUBTFUL = 0.35, 0.5
@@ -64,6 +65,9 @@ def physical(hypothesis, score, declared):
     if hypothesis.name not in EFFECTS:
         return True
     theta, std = score.theta, np.sqrt(np.diag(score.covariance))
+    if hypothesis.name == 'torque_scale':
+        gain = 1.0 + theta[0] * hypothesis.scale[0] + (0.0 if declared is None else declared[0][0])
+        return bool(LEAST_GAIN < gain < MOST_GAIN)
     if declared is not None:
         total, doubt = (theta + declared[0] / hypothesis.scale,
                         np.hypot(std, declared[1] / hypothesis.scale))

@@ -25,6 +25,12 @@ def with_load_errors(diagnosis, model, better, runs):
     return replace(diagnosis, load_before=before, load_after=load_error(better, runs))
 
 
+def known_torque(run):
+    """Tell whether the torque of a run's load is known, not only its mass."""
+    _, recording, load = run
+    return load.mass == 0.0 or 'com' in recording.load_known
+
+
 def _no_load_error(runs):
     """Return why there is no error of load estimates."""
     assumed = [e.name for e, recording, _ in runs if ASSUMED in recording.load_known]

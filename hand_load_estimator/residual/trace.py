@@ -73,17 +73,30 @@ class Trace:
         return self.steps
 
     def keep_what_still_gains(self):
-        """Backward check: drop steps that gain no more beside the others."""
+        """Backward check: drop steps, and joints of them, that gain no more beside the others."""
         for step in list(self.steps):
             again = self.still_gains(step)
+            at = self.steps.index(step)
             if again.gain < step.needed or not self.matters(again):
-                self.steps.remove(step)
+                self.steps.pop(at)
+            else:
+                self.steps[at] = self._where_it_shows(step, again)
         # What was dropped must not count as explained.
         self.blocks = self._blocks_of(self.steps + self.drifted)
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
         return evaluated(step.chosen, self.beside(step))
+
+    def _where_it_shows(self, step, again):
+        """Return the step without joints that were taken along and show it no more."""
+        if again.common or len(again.parts) == 1:
+            return step
+        shows = {h.joint for h, score in again.parts if self._strong(h, score)}
+        kept = tuple(pair for pair in step.chosen.parts if pair[0].joint in shows)
+        if len(kept) in (0, len(step.chosen.parts)):
+            return step
+        return replace(step, chosen=joined(step.chosen.name, kept))
 
     def beside(self, step):
         """Return Blocks with all other steps for nuisances."""
