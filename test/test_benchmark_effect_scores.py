@@ -51,6 +51,15 @@ def test_totals_and_goals_are_judged_on_the_figures():
     assert not verdicts(slow)[-1][3]
 
 
+def test_the_share_of_false_findings_is_told_and_judges_nothing():
+    """Of what is confirmed on any case: one in place of another, one on a clean plant."""
+    assert totals(results())['confirmed'] == [5, 2]
+    (row,) = [row for row in verdicts(totals(results())) if row[0].startswith('false among')]
+    assert row[2].startswith('40.0 % (2 of 5') and row[3] is None
+    assert '| false among all findings confirmed, any strength | told | 40.0 %' \
+        in effects_markdown(results(), 'command', 'commit')
+
+
 def test_figures_are_held_against_what_is_stated_of_them():
     delay, truth = [('time_delay', (JOINT,))], {'effect': 'time_delay', 'parameter': 'delay',
                                                 'truth': 0.02}

@@ -12,7 +12,11 @@ EVERY = 'every case'
 
 
 def verdicts(total):
-    """Return (what, goal, value, reached) of the goals issue 3 states, where measured."""
+    """
+    Return (what, goal, value, reached) of the goals issue 3 states, where measured.
+
+    reached: None where something is only told.
+    """
     rows = [_share('right effect and joint, one effect, strength 2 and 5', total['single'], 90),
             _share('the same, and nothing false confirmed beside', total['single_alone'], 90),
             _share('the same as the first, naming both counted for more pairs than the design '
@@ -26,6 +30,9 @@ def verdicts(total):
     few = '' if clean >= CLEAN_SETS else ', too few to tell'
     rows.append(('confirmed on clean plants', f'<= 1 on {CLEAN_SETS}', f'{false} on {clean}{few}',
                  false <= 1 and not few) if clean else None)
+    confirmed, false = total['confirmed']
+    rows.append(('false among all findings confirmed, any strength', 'told',
+                 share_text(false, confirmed), None) if confirmed else None)
     if total['ratios']:
         rows += [*_torque(total), *_mass(total), _mass_per_case(total)]
     if total['seconds']:

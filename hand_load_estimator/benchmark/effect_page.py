@@ -51,7 +51,7 @@ def effects_markdown(results, command, commit, cases=()):
         f'Command: `{command}`, commit {commit}. Seconds are wall clock of one process among as '
         'many as there are cores.',
         markdown_table(['goal', 'wanted', 'measured', 'reached'], [
-            [what, goal, value, 'yes' if good else '**no**']
+            [what, goal, value, {True: 'yes', False: '**no**', None: _NONE}[good]]
             for what, goal, value, good in verdicts(total)]),
         _HOW_JUDGED, *_only_widely(results), *_beyond(total),
         '## One effect', _effects_table(results),

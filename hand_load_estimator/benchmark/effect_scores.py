@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 
+from ..residual.diagnosis import CONFIRMED
 from .effect_cases import CLEAN, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SINGLE
 from .effect_errors import MASS_MOMENTS
 from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
@@ -165,6 +166,7 @@ def totals(results):
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
         'clean': [len(_of_kind(measured(results), CLEAN)),
                   sum(len(judge(r)[1]) for r in _of_kind(measured(results), CLEAN))],
+        'confirmed': _confirmed(measured(results)),
         'both_named': sum(judge(r)[0][0]['outcome'] == BOTH for r in effects),
         'false_beside': sum(len(judge(r)[1]) for r in effects
                             if judge(r)[0][0]['outcome'] in RIGHT),
@@ -174,6 +176,12 @@ def totals(results):
         'mass_before': {moment: mass_ratio(ran, 'before', moment) for moment in MASS_MOMENTS}
         if ran else {},
         'seconds': [r['seconds'] for r in measured(results)]}
+
+
+def _confirmed(results):
+    """Return [findings confirmed, those of them that nothing hidden explains]."""
+    return [sum(f['verdict'] == CONFIRMED for r in results for f in r['findings']),
+            sum(len(judge(r)[1]) for r in results)]
 
 
 def _ratios(result):
