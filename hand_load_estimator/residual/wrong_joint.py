@@ -8,7 +8,7 @@ explained by a gain or an offset that no drive has, and would be written into th
 import numpy as np
 
 # Rows looked at: what is wrong here is wrong all the time.
-MOST, FEWEST = 400, 20
+MOST, FEWEST = 200, 20
 MOVES = 0.05           # [rad/s]
 # A joint shows its torque where the model's varies by so many times its noise, and more than any
 # effect that is not in the model from the second on.
