@@ -32,6 +32,8 @@ class Prediction:
     friction (n,) [Nm]: the level that a joint which stands can hold, as its gear is loaded now.
     An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
     the difference beside the load and column_scale (r,) of model_columns are what it counts.
+    noise (n,) [Nm^2]: variance of a sample beyond the model's own residual, where the driver
+    reports less often, or more noise, than in the recordings the model was made from.
     """
 
     difference: np.ndarray
@@ -43,6 +45,7 @@ class Prediction:
     friction: np.ndarray
     density: np.ndarray
     column_scale: np.ndarray
+    noise: np.ndarray | float = 0.0
 
 
 class ModelFollower:
@@ -155,10 +158,11 @@ class ModelFollower:
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
         stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
         # Identification measured the residual's density; sampled more rarely it has more.
-        density = self.model.residuals.load_intensity
+        stated = density = self.model.residuals.load_intensity
         if self._noise is not None:
             density = np.maximum(
                 density, self._noise.update(difference, sample.dt, sample.messages))
+        noise = (density - stated) / sample.dt
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
@@ -167,7 +171,7 @@ class ModelFollower:
             load = load + self._late_load.change(load, sample.dt)
             difference = difference - turned
         return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
-                          self.column_scale)
+                          self.column_scale, noise)
 
 
 def load_through_effects(model, columns, load, sample, x, believed, gear):

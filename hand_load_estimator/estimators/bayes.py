@@ -3,7 +3,9 @@
 import numpy as np
 
 from .contact_gate import ContactGate
+from .innovation_scale import InnovationScale
 from .load_prior import load_prior
+from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
 from .rest_watch import RestWatch
@@ -29,6 +31,7 @@ class Bayes(Watching):
             model.residuals.load_share)
         self._rest = RestWatch(model.noise)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
+        self._scale = InnovationScale(model.residuals.rmse)
         self._gate = ContactGate(robot.joints, model.residuals.rmse, self._regression.change,
                                  robot.effort.torque_constants_std)
         self._known = self._regression.known()
@@ -60,6 +63,7 @@ class Bayes(Watching):
             self._regression.begin_anew(sample.stamp)
             self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
+        self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
         self._regression.update_posterior()
@@ -85,7 +89,8 @@ class Bayes(Watching):
 
     def belief(self):
         """Return the present Belief."""
-        return self._regression.belief()
+        belief = self._regression.belief()
+        return Belief(belief.mean, belief.covariance * self._scale.beyond(self.factor))
 
     def forget(self):
         """Forget the load."""
@@ -101,15 +106,18 @@ class Bayes(Watching):
 
     def _clear_watches(self):
         self._watch.clear()
+        self._scale.clear()
         self._gate.clear()
 
     def state(self):
-        """Return the state of the regression."""
-        return self._regression.state()
+        """Return the state of the regression, and how innovations were."""
+        return {**self._regression.state(), 'innovations': self._scale.sums.copy()}
 
     def restore(self, state):
         """Go on from a state()."""
+        scale = checked(state, {'innovations': self._scale.sums.shape})
         self._regression.restore(state)
         self._clear_watches()
+        self._scale.sums = scale['innovations']
         self._rest.restart()
         self._known = self._regression.known()

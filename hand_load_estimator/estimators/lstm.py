@@ -16,6 +16,7 @@ from ..load import message_from_shape
 from ..presliding import doubt_after
 from .contact_gate import ContactGate
 from .information import message_covariance
+from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
@@ -118,6 +119,7 @@ class Lstm(Watching):
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
         self._watch = MismatchWatch(self._robot.joints, model.residuals.rmse)
+        self._scale = InnovationScale(model.residuals.rmse)
         self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._plain.change,
                                  self._robot.effort.torque_constants_std)
         self._restart()
@@ -150,6 +152,7 @@ class Lstm(Watching):
             self._restart()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
+        self._scale.update(load[0], load[1] + prediction.stuck + prediction.noise, sample)
         features_now = self._features(sample, prediction, load)
         if prediction.doubt.min() < RESTED:
             self._correction, self._shift, self._spread = self._cell.step(features_now)
@@ -196,7 +199,8 @@ class Lstm(Watching):
         covariance = message_covariance(
             shape, posterior.shape_covariance * wide * wide[:, None])
         factors = factors_at(self._calibration, level_of(wide * std, self._prior.std))
-        return Belief(message_from_shape(shape), covariance * factors * factors[:, None])
+        wider = factors * np.sqrt(self._scale.beyond(self.factor))
+        return Belief(message_from_shape(shape), covariance * wider * wider[:, None])
 
     def forget(self):
         """Forget the load."""
@@ -216,7 +220,8 @@ class Lstm(Watching):
         self.settle()
         parts = ('plain', self._plain.state()), ('learned', self._learned.state())
         out = {f'{part}.{name}': value for part, state in parts for name, value in state.items()}
-        return out | {'memory': np.stack(self._cell.memory), 'shift': self._shift,
+        return out | {'innovations': self._scale.sums.copy(),
+                      'memory': np.stack(self._cell.memory), 'shift': self._shift,
                       'spread': self._spread, 'weights': self._cell.fingerprint}
 
     def restore(self, state):
@@ -228,10 +233,12 @@ class Lstm(Watching):
         self._learned.restore(_part(own, 'learned'))
         self._restart()
         self._cell.memory, self._shift, self._spread = own['memory'], own['shift'], own['spread']
+        self._scale.sums = own['innovations']
 
     def _restart(self):
         self._cell.restart()
         self._watch.clear()
+        self._scale.clear()
         self._gate.clear()
         self._rest.restart()
         self._slow = SlowResidual(self._robot.n)

@@ -1,0 +1,45 @@
+"""
+How much wider intervals have to be, told at once by innovations larger than stated.
+
+ModelTrust asks whole windows of motion what they tell of the load. A joint whose torques differ
+more than load and model explain tells sooner that the arm is not as modelled (Birge's ratio: the
+errors of a fit count as much more as its residuals are larger than stated), but only what the
+estimate has not taken for load already: what is too much counts several times.
+"""
+
+import numpy as np
+
+# Squared innovations are averaged over this much motion of a joint [s], beside so much of it in
+# which they are taken for as stated.
+MEMORY, ASSUMED = 10.0, 0.1
+MOVES = 0.02           # [rad/s]
+# On arms as modelled the joint with the largest mean square hardly exceeds the first; what is
+# beyond counts so many times. Of 92 development cases with an undeclared effect 88 instead of
+# 76 % of the masses are then held, and as many as before on arms without.
+USUAL, EXCESS = 1.3, 3.0
+
+
+class InnovationScale:
+    """Follow each joint's innovation against its expected variance while it moves; n joints."""
+
+    def __init__(self, rmse):
+        """rmse (n,) [Nm]: residual of the torque model on held-out data."""
+        self._variance = rmse ** 2
+        self.clear()
+
+    def clear(self):
+        """Forget the past."""
+        self.sums = np.zeros((2, len(self._variance)))
+
+    def update(self, innovation, expected, sample):
+        """Take an innovation (n,) [Nm] and its variance (n,) beside the model's noise [Nm^2]."""
+        seconds = min(sample.dt, ASSUMED) * (np.abs(sample.v) > MOVES)
+        ratio = innovation ** 2 / (self._variance + expected)
+        self.sums *= 1.0 - seconds / MEMORY
+        self.sums += seconds * np.array((ratio, np.ones_like(ratio)))
+
+    def beyond(self, factor):
+        """Return what variances, `factor` times what is stated already, have to grow by."""
+        ratio, seconds = self.sums
+        worst = ((ASSUMED + ratio) / (ASSUMED + seconds)).max()
+        return max(1.0, (1.0 + EXCESS * (worst - USUAL)) / factor)
