@@ -6,7 +6,7 @@ from core_helpers import block, exact_model, messages, pipeline_of
 import numpy as np
 import pytest
 
-from hand_load_estimator.estimators.innovation_scale import EXCESS, InnovationScale, USUAL
+from hand_load_estimator.estimators.innovation_scale import EXCESS, InnovationScale
 
 RMSE = np.array([0.5, 1.0, 2.0])
 
@@ -24,13 +24,14 @@ def scaled(times, seconds, factor=1.0, moves=(True, True, True), seed=3):
 @pytest.mark.parametrize('seconds', [0.0, 2.0, 10.0])
 @pytest.mark.parametrize('times', [0.1, 0.7, 1.0])
 def test_innovations_as_stated_widen_nothing(times, seconds):
-    assert scaled(np.full(3, times), seconds) == pytest.approx(1.0, abs=0.3)
+    grown = [scaled(np.full(3, times), seconds, seed=seed) for seed in range(20)]
+    assert np.mean(grown) < 1.1 and max(grown) < 2.0
 
 
 def test_the_joint_that_differs_most_counts():
-    """The excess of its mean square over what is usual, several times."""
+    """The excess of its mean square over what is expected, several times."""
     grown = scaled(np.array([0.5, 4.0, 1.0]), 10.0)
-    assert grown == pytest.approx(1.0 + EXCESS * (16.0 - USUAL), rel=0.15)
+    assert grown == pytest.approx(1.0 + EXCESS * (16.0 - 1.0), rel=0.15)
     assert scaled(np.array([0.5, 4.0, 1.0]), 0.2) > 5.0
 
 
