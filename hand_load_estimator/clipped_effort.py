@@ -7,44 +7,35 @@ rows the rest is as good as ever, with them everything else makes up for what is
 
 import numpy as np
 
-from .input_guard import EFFORT_MARGIN
-from .joint_stream import joint_index
+from .input_guard import EFFORT_MARGIN, InputGuard, RESTART_AFTER
 
 # An end of the range, as a share of it; the share of the time in motion from which on efforts
 # pile up there, and how many times more than just below: smooth efforts dwell at their largest,
 # and coarse ones repeat it, but neither leaves it in one step.
 END, OFTEN, STEP = 0.002, 0.02, 5.0
+# Fewer efforts [share] are beyond an end by chance: single spikes.
+SPIKES = 0.002
 # The filter's memory [s] of what it was fed.
 MEMORY = 0.1
 MOVES = 0.02           # [rad/s]
+LEAST = 1.0            # [s] of motion that tells an end from a joint that is held
 
 
 def clipped_rows(robot, motion, recording):
     """Return (N, n) bool: rows of a Motion in which the effort of its Recording was cut off."""
     out = np.zeros(motion.effort.shape, bool)
     stamp, effort = _reported(robot, recording)
+    passes = list(_passes(stamp, motion.stamp))
+    speed = np.zeros(effort.shape)
+    for said, rows in passes:
+        for j in range(robot.n):
+            speed[said, j] = np.interp(stamp[said], motion.stamp[rows], np.abs(motion.v[rows, j]))
     for j in range(robot.n):
-        speed = np.abs(np.interp(stamp, motion.stamp, motion.v[:, j]))
-        moves = speed > MOVES
         for side in (effort[:, j], -effort[:, j]):
-            at_end = _cut_off(side, moves)
-            if at_end.any():
-                out[:, j] |= _remembered(motion.stamp, stamp[at_end])
+            at_end = _cut_off(side, speed[:, j] > MOVES, stamp)
+            for said, rows in passes if at_end.any() else ():
+                out[rows, j] |= _remembered(motion.stamp[rows], stamp[said][at_end[said]])
     return out
-
-
-def _cut_off(effort, moves):
-    """Tell which efforts (M,) stand at the upper end of their range, none where it is no end."""
-    none = np.zeros(len(effort), bool)
-    top = effort[moves].max(initial=0.0)
-    if top <= 0.0:
-        return none
-    at_end = effort >= (1.0 - END) * top
-    below = effort[moves & ~at_end]
-    beside = below.max(initial=-np.inf)
-    near = (below >= beside - END * top).sum()
-    piled = (at_end & moves).sum()
-    return at_end if piled > max(OFTEN * moves.sum(), STEP * near) else none
 
 
 def clipped_efforts(robot, evidence):
@@ -56,14 +47,39 @@ def clipped_efforts(robot, evidence):
             for name, joint, share in shares if share > 0.0]
 
 
+def _passes(said, moved):
+    """Yield (slice of `said`, slice of `moved`) between restarts of the clock, stamps [s] both."""
+    cuts = [[0, *np.flatnonzero(np.diff(stamps) < -RESTART_AFTER) + 1, len(stamps)]
+            for stamps in (said, moved)]
+    # A pass that is too short for the filter has no rows, and nobody knows whose the others are.
+    if len(cuts[0]) == len(cuts[1]) and len(said) and len(moved):
+        for a, b, c, d in zip(cuts[0], cuts[0][1:], cuts[1], cuts[1][1:]):
+            yield slice(a, b), slice(c, d)
+
+
+def _cut_off(effort, moves, stamp):
+    """Tell which efforts (M,) stand at the upper end of their range, none where it is no end."""
+    none = np.zeros(len(effort), bool)
+    if moves.sum() < 2 or moves.sum() * np.median(np.abs(np.diff(stamp))) < LEAST:
+        return none
+    top = np.quantile(effort[moves], 1.0 - SPIKES)
+    at_end = effort >= (1.0 - END) * top
+    below = effort[moves & ~at_end]
+    if top <= 0.0 or not len(below):
+        return none
+    near = (below >= below.max() - END * top).sum()
+    piled = (at_end & moves).sum()
+    return at_end if piled > max(OFTEN * moves.sum(), STEP * near) else none
+
+
 def _reported(robot, recording):
     """Return stamps (M,) and efforts (M, n) of the joint states that have them all."""
-    orders, stamps, efforts = {}, [], []
+    guard, orders, stamps, efforts = InputGuard(robot), {}, [], []
     for state in recording.joint_samples:
         if state.names not in orders:
-            orders[state.names] = _order(robot.joints, state.names)
+            orders[state.names] = guard.places(state.names)
         order = orders[state.names]
-        if order is not None and len(state.effort) == len(state.names):
+        if isinstance(order, np.ndarray) and len(state.effort) == len(state.names):
             stamps.append(state.stamp)
             efforts.append(np.asarray(state.effort)[order])
     efforts = np.array(efforts, dtype=float).reshape(-1, robot.n)
@@ -73,15 +89,9 @@ def _reported(robot, recording):
     return np.array(stamps)[usable], efforts[usable]
 
 
-def _order(joints, names):
-    """Return the place (n,) of each joint among the names of a message, None without them all."""
-    places = {joint_index(name, joints): k for k, name in enumerate(names)}
-    return [places[j] for j in range(len(joints))] if set(range(len(joints))) <= set(places) \
-        else None
-
-
 def _remembered(times, clipped):
     """Tell which times (N,) [s] are within the filter's memory of clipped ones (M,) [s]."""
     clipped = np.sort(clipped)
     before = np.searchsorted(clipped, times, side='right') - 1
-    return (before >= 0) & (times - clipped[before] <= MEMORY)
+    return (before >= 0) & (times - clipped[before] <= MEMORY) if len(clipped) \
+        else np.zeros(len(times), bool)

@@ -50,7 +50,7 @@ class InputGuard:
         if key not in self._index_of:
             if len(self._index_of) >= _MOST_ORDERS:
                 self._index_of.clear()
-            self._index_of[key] = self._find(key)
+            self._index_of[key] = self.places(key)
         index = self._index_of[key]
         if index is None:
             return None
@@ -79,8 +79,12 @@ class InputGuard:
             return 'implausible_velocity'
         return 'implausible_position' if efforts else 'implausible_effort'
 
-    def _find(self, names):
-        """Return indices (n,), a reason to reject, or None when no joint is of this robot."""
+    def places(self, names):
+        """
+        Return where the joints stand among the names of a message.
+
+        Indices (n,), a reason to reject, or None when no joint is of this robot.
+        """
         index = {name: i for i, name in enumerate(names)}
         prefixes = [''] if any(joint in index for joint in self._joints) else sorted(
             {name[:-len(joint)] for name in names for joint in self._joints

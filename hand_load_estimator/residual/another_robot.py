@@ -10,7 +10,7 @@ from .standing import is_held
 from .wrong_joint import wrong_joint
 
 # Every so many rows are looked at: what is wrong here is wrong all the time.
-EVERY = 10
+EVERY, FEWEST_ROWS = 10, 20
 STRANGE = 0.5          # share of a torque's variance that a model of this arm leaves at most
 PUSHED = 0.1           # share of the time in which something may act on the arm from outside
 # A joint carries load where the model's torque varies by so many times its noise.
@@ -18,7 +18,7 @@ LOADED = 5.0
 # Published torque constants of one arm differ by 13 %, those of arms of a family and others by
 # more than half. One joint's may be wrong by anything.
 GAIN, FEWEST = 1.5, 2
-# A joint moves that is so fast [rad/s] for such a share of the time.
+# A joint moves that is so fast [rad/s] for such a share of the busiest joint's time.
 MOVES, OFTEN = 0.05, 0.1
 SLIDES = 0.01          # [rad/s] from which on friction has the sign of the velocity
 # What is said to be wrong must explain this share of what the model leaves; a load, more of it
@@ -53,10 +53,13 @@ class _Rows:
 
     def __init__(self, model, parts):
         self._model, self._load = model, parts[0].load
+        tells = np.flatnonzero(np.concatenate([e.tells.all(axis=1) for e in parts]))
+        # Where an effort is cut off nearly always, better those rows than none.
+        some = tells[::EVERY] if len(tells) > EVERY * FEWEST_ROWS else slice(None, None, EVERY)
         self._q, self._v, self._a, warmth = (
-            np.concatenate([getattr(e.motion, name)[::EVERY] for e in parts])
+            np.concatenate([getattr(e.motion, name) for e in parts])[some]
             for name in ('q', 'v', 'a', 'temperature'))
-        self._measured = np.concatenate([e.torque[::EVERY] for e in parts])
+        self._measured = np.concatenate([e.torque for e in parts])[some]
         self._modelled = np.array([model.torque(*row) for row in
                                    zip(self._q, self._v, self._a, warmth)])
 
@@ -79,7 +82,8 @@ class _Rows:
     def little_explained(self):
         """Return a sentence where the model explains next to nothing, else ''."""
         # A joint that others shake while it is held shows friction's torque.
-        moves = np.mean(np.abs(self._v) > MOVES, axis=0) > OFTEN
+        moves = np.mean(np.abs(self._v) > MOVES, axis=0)
+        moves = moves >= OFTEN * max(moves.max(), 1e-12)
         loaded = moves & (self._modelled.std(axis=0) > LOADED * self._model.noise)
         if not loaded.any() or np.median(left(self._measured, self._modelled)[loaded]) <= STRANGE:
             return ''

@@ -88,8 +88,8 @@ def refuted(findings, joints, before, after):
     worse = {name: (old, new) for name, old, new in zip(joints, before, after)
              if new > _WORSE * old}
     kept, told = [], []
-    blamed = {_main_joint(f, joints) for f in findings if f.verdict == CONFIRMED
-              and not f.recording and f.name != UNKNOWN}
+    blamed = {name for f in findings if f.verdict == CONFIRMED and not f.recording
+              for name in f.joints}
     told += [f'{name}: the error on what was kept for the test rose from {old:.3g} to {new:.3g} '
              'Nm, though nothing confirmed acts there: everything is estimated together'
              for name, (old, new) in worse.items() if name not in blamed]

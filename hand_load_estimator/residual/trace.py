@@ -79,8 +79,10 @@ class Trace:
             at = self.steps.index(step)
             if again.gain < step.needed or not self.matters(again):
                 self.steps.pop(at)
-            else:
-                self.steps[at] = self._where_it_shows(step, again)
+                continue
+            self.steps[at] = shown = self._where_it_shows(step, again)
+            if shown is not step and self.still_gains(shown).gain < step.needed:
+                self.steps.pop(at)
         # What was dropped must not count as explained.
         self.blocks = self._blocks_of(self.steps + self.drifted)
 

@@ -10,18 +10,20 @@ import numpy as np
 # Rows looked at: what is wrong here is wrong all the time.
 MOST, FEWEST = 200, 20
 MOVES = 0.05           # [rad/s]
-# A joint shows its torque where the model's varies by so many times its noise, and more than any
-# effect that is not in the model from the second on.
+# A joint shows its torque where the model's varies by so many times its noise, and its gain from
+# the second on.
 SHOWN, LOADED = 2.0, 5.0
 # Shares of a joint's variance left from which on it is odd, and from which on wrong.
 ODD, WRONG = 0.1, 0.5
-# What tells nothing has no more than this share of the variance that there should be, and shows
-# no more than this share of it.
-DEAD, UNLIKE = 0.01, 0.1
+# What tells nothing has no more than this share of the variance that there should be. An effort
+# is not the joint's where it shares less than the second with its torque, and surely has another
+# gain, not another effect, where it shares more than the last.
+DEAD, UNLIKE, ALIKE = 0.01, 0.1, 0.5
 # No torque constant, and no gear that was exchanged, is off by so much.
 LEAST_GAIN, MOST_GAIN = 0.2, 5.0
-# A mistake is one when undoing it leaves less than this share of the squared error.
-UNDONE = 0.25
+# A mistake is one when undoing it leaves less than this share of the squared error, and no more
+# than so many times the noise's square per joint: then the model fits.
+UNDONE, FITS = 0.25, 10.0
 # The worst rows may be a push's.
 USUAL = 0.9
 
@@ -29,6 +31,8 @@ USUAL = 0.9
 def wrong_joint(model, parts):
     """Return a sentence on what the parts (Evidence) of one recording tell wrongly, or ''."""
     rows = _Rows(model, parts)
+    if len(rows) < FEWEST:
+        return ''
     torques = rows.torques()
     joints = [_Joint(name, *rows.of_joint(j, *torques), noise)
               for j, (name, noise) in enumerate(zip(model.robot.joints, model.noise))
@@ -62,16 +66,17 @@ class _Joint:
         self.left = np.mean(error[usual] ** 2) / own
         self._varies = measured[usual].var() / own
         self.gain = np.cov(measured[usual], modelled[usual], bias=True)[0, 1] / own
+        self._shared = self.gain ** 2 / max(self._varies, 1e-12)
 
     @property
     def dead(self):
         """Whether hardly anything changes, and not as it should."""
-        return self._varies < DEAD and self.gain ** 2 <= UNLIKE * self._varies
+        return self._varies < DEAD and self._shared <= UNLIKE
 
     @property
     def impossible(self):
         """Whether no drive has such a gain."""
-        return self.load > LOADED and self.left > WRONG \
+        return self.load > LOADED and self.left > WRONG and self._shared > ALIKE \
             and not LEAST_GAIN < self.gain < MOST_GAIN
 
 
@@ -82,12 +87,16 @@ class _Rows:
         self._model, self._load = model, parts[0].load
         motion = [np.concatenate([getattr(e.motion, name) for e in parts])
                   for name in ('q', 'v', 'a', 'temperature')]
-        moving = np.flatnonzero((np.abs(motion[1]) > MOVES).any(axis=1))
+        tells = np.concatenate([e.tells for e in parts]).all(axis=1)
+        moving = np.flatnonzero((np.abs(motion[1]) > MOVES).any(axis=1) & tells)
         some = moving[::max(1, len(moving) // MOST)]
         *self._motion, self._temperature = (values[some] for values in motion)
         torque = np.concatenate([e.torque for e in parts])[some]
         self._constants = model.robot.effort.torque_constants
-        self._reported = (torque + self._held(self._motion)) / self._constants
+        self._reported = (torque + self._taken_off(self._motion)) / self._constants
+
+    def __len__(self):
+        return len(self._reported)
 
     def moves(self, j):
         """Tell in which rows (M,) a joint moves."""
@@ -113,15 +122,20 @@ class _Rows:
             motion = [(values * signs)[:, order] for values in motion]
         modelled = np.array([self._model.torque(*row)
                              for row in zip(*motion, self._temperature)])
-        return reported * self._constants - self._held(motion), modelled
+        return reported * self._constants - self._taken_off(motion), modelled
 
-    def _held(self, motion):
-        """Return the torque (M, n) of the declared load."""
-        if self._load.mass == 0.0:
-            return 0.0
-        robot = self._model.robot
-        return np.array([robot.load_regressor(*row) for row in zip(*motion)]) \
-            @ self._load.to_products()
+    def _taken_off(self, motion):
+        """Return the torque (M, n) that is taken off what the efforts say, at this motion."""
+        robot, out = self._model.robot, np.zeros(motion[0].shape)
+        zero, configured = np.zeros(robot.n), robot.effort.configured_load
+        if self._load.mass > 0.0:
+            out += np.reshape([robot.load_regressor(*row) @ self._load.to_products()
+                               for row in zip(*motion)], out.shape)
+        if configured is not None:
+            # The controller took its gravity off already: real_torque puts it back.
+            out -= np.reshape([robot.load_regressor(q, zero, zero) @ configured.to_products()
+                               for q in motion[0]], out.shape)
+        return out
 
 
 def _mistake(model, rows):
@@ -139,7 +153,7 @@ def _mistake(model, rows):
             both = f'of {joints[j]} and {joints[i]} are exchanged'
             tried += [({'order': order, 'only_efforts': True}, f'the efforts {both}'),
                       ({'order': order}, f'angles and efforts {both}')]
-    limit = UNDONE * _error(model, *rows.torques())
+    limit = min(UNDONE * _error(model, *rows.torques()), FITS * n)
     error, words = min(((_error(model, *rows.torques(**how)), words)
                         for how, words in tried), key=lambda pair: pair[0])
     return words if error < limit else ''
