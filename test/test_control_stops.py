@@ -1,6 +1,6 @@
 """Stops of the cycle against a fake arm: collisions and what is none, silence, an arm held."""
 
-from control_helpers import FAR_PLACE, HOME
+from control_helpers import FakeArm, FAR_PLACE, HOME
 import numpy as np
 import pytest
 from supervisor_helpers import Cell
@@ -151,3 +151,36 @@ def test_a_cold_or_warm_arm_is_no_collision_even_when_its_temperature_is_unknown
 
     cell.arm.residual = residual
     assert cell.run(30.0, lambda c: c.supervisor.phase == 'done'), cell.supervisor.stop_reason
+
+
+class LateArm(FakeArm):
+    """Sets off `LATE` after the trajectory was sent; until then its friction holds a torque."""
+
+    LATE = 0.25  # [s]
+
+    def __init__(self, model, position):
+        super().__init__(model, position)
+        self._coming = []
+
+    def take(self, trajectory, now):
+        """Follow the trajectory, but later."""
+        self._coming.append((now + self.LATE, trajectory))
+
+    def state(self, now):
+        """Return q, v, a (n,) at `now` [s]."""
+        while self._coming and self._coming[0][0] <= now:
+            super().take(self._coming.pop(0)[1], now)
+        return super().state(now)
+
+    def residual(self, now):
+        """Return the torque (n,) left over by a model that knows no friction at rest."""
+        q, v, _ = self.state(now)
+        held = SHIPPED.torque(q, np.full(6, 0.05), np.zeros(6)) \
+            - SHIPPED.torque(q, np.zeros(6), np.zeros(6))
+        return super().residual(now) + np.where(v, 0.0, held)
+
+
+def test_friction_of_an_arm_that_sets_off_late_is_no_collision():
+    cell = Cell(model=SHIPPED, plan=PlanSettings(speed_scale=0.3))
+    cell.arm = LateArm(SHIPPED, HOME)
+    assert cell.run(40.0, lambda c: c.supervisor.phase == 'done'), cell.supervisor.stop_reason

@@ -53,16 +53,17 @@ class CollisionThresholds:
         self._doubt = ModelDoubt(model)
         self._fixed = any_rated_belief(model.robot, settings.sigma)
 
-    def at(self, q, v, a, belief, temperature):
+    def at(self, q, v, a, belief, temperature, standing=False):
         """
         Return (Thresholds, fixed (n,)) at a state of motion.
 
         belief: the trusted estimate, or one with source `rated`; fixed: the threshold without
         knowledge of the load. No threshold is above it: joint by joint the tighter holds.
+        standing (n,): joints that have not set off yet although they were told to.
         """
         regressor = self._model.load_regressor(q, v, a)
         inertia = regressor - self._model.load_regressor(q, v, np.zeros_like(q))
-        base = self._model_band(q, v, a, temperature)
+        base = self._model_band(q, v, a, temperature, standing)
         expected, band = self._load_band(self._fixed, regressor, inertia)
         fixed = base + band
         if belief.source == 'estimate':
@@ -78,7 +79,7 @@ class CollisionThresholds:
         return mean, self._settings.sigma * std \
             + self._settings.inertia_share * np.abs(inertia @ belief.mean)
 
-    def _model_band(self, q, v, a, temperature):
+    def _model_band(self, q, v, a, temperature, standing):
         """Return what the torque model may be wrong by (n,)."""
         settings, still = self._settings, np.zeros_like(q)
         torque = self._model.torque
@@ -87,7 +88,8 @@ class CollisionThresholds:
         friction = 0.5 * np.abs(torque(q, creep, still, temperature)
                                 - torque(q, -creep, still, temperature))
         # A joint at rest may hold any torque up to its friction, in either direction.
-        slowness = np.clip(2.0 - np.abs(v) / settings.slow, 0.0, 1.0)
+        speed = np.where(standing, 0.0, np.abs(v))
+        slowness = np.clip(2.0 - speed / settings.slow, 0.0, 1.0)
         return settings.margin * self._model.noise + settings.inertia_share * inertia \
             + 2.0 * slowness * friction + settings.sigma * self._doubt.std(q, v, a, temperature)
 

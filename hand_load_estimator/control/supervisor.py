@@ -17,6 +17,7 @@ from .torque_use import TorqueUse
 _AT_GOAL = 0.02          # [rad] a position controller's static error is far below this
 _ON_PATH = 0.1           # [rad] nearer: the motion is being followed, and may be changed
 _OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not being followed
+_SET_OFF = 0.003         # [rad] from where it stood: the joint moves, the command has arrived
 _AT_REST = 0.1           # [rad/s] faster: somebody else still moves the arm
 _SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
 _INPUT_TIMEOUT = 0.5     # [s] without joint states while moving: stop
@@ -73,6 +74,7 @@ class Supervisor:
         self._dwell_until, self._pause_until, self._next_replan = None, None, 0.0
         self._q = self._v = self._measured_at = self._now = self._earlier = None
         self._speed = np.inf
+        self._stood, self._standing = None, np.zeros(model.robot.n, dtype=bool)
 
     @property
     def moving(self):
@@ -198,6 +200,7 @@ class Supervisor:
         move = self._planner.plan(start, target, self.policy.belief, self.temperature,
                                   self.policy.caution)
         self._run, self._next_replan = RunningMove(move, now), now + _REPLAN_PERIOD
+        self._stood, self._standing = self._q, np.ones(self.robot.n, dtype=bool)
         self._accept(move)
         self.counts['motions'] += 1
         return self._run.trajectory.shifted(-now)
@@ -284,8 +287,12 @@ class Supervisor:
         return self._q, still, still
 
     def _watch(self, now):
+        if self._run is None:
+            self._standing[:] = False
+        elif self._standing.any():
+            self._standing &= np.abs(self._q - self._stood) < _SET_OFF
         thresholds, fixed = self._thresholds.at(*self._reference(now), self.policy.belief,
-                                                self.temperature)
+                                                self.temperature, self._standing)
         self.in_force = self.detector.record(now, thresholds, fixed)
 
     def _describe_collision(self):
