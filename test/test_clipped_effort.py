@@ -76,11 +76,33 @@ def test_names_in_another_order_are_found():
 @pytest.mark.parametrize('change', [
     lambda effort: effort, np.zeros_like,
     lambda effort: np.round(effort / 2.0) * 2.0,
-    lambda effort: np.where(np.arange(len(effort)) == 700, 40.0 * effort.max(), effort)],
-    ids=['as it is', 'dead', 'coarse', 'one spike'])
+    lambda effort: np.full_like(effort, 3.0), lambda effort: effort + np.ptp(effort),
+    lambda effort: np.where(np.arange(len(effort)) == 700, 40.0 * effort.max(), effort),
+    lambda effort: np.where(np.arange(len(effort)) // 10 == 70, 1.2 * effort.max(), effort)],
+    ids=['as it is', 'dead', 'coarse', 'constant', 'an offset', 'one spike', 'a blip'])
 def test_nothing_else_is_an_end(change):
     rows, _ = clipped(with_efforts(stream(), change))
     assert not rows.any()
+
+
+def test_joints_of_a_gripper_beside_do_no_harm():
+    states = with_efforts(stream(), at_most(0.2))
+    more = [replace(m, names=('gripper', *m.names), **{
+        name: np.append(k, getattr(m, name)) for name in ('position', 'velocity', 'effort')})
+        for k, m in enumerate(states)]
+    np.testing.assert_array_equal(clipped(more)[0], clipped(states)[0])
+
+
+def test_a_clock_that_starts_anew_mixes_no_passes():
+    """What is clipped in one pass has the stamps of another that is not."""
+    bad, good = with_efforts(stream(1), at_most(0.2)), stream(2)
+    top, largest = (np.abs([m.effort[JOINT] for m in run]).max() for run in (bad, good))
+    good = with_efforts(good, lambda effort: 0.9 * top / largest * effort)
+    alone, _ = clipped(bad)
+    rows, motion = clipped([*bad, *good])
+    second = np.flatnonzero(np.diff(motion.stamp) < 0.0)[0] + 1
+    np.testing.assert_array_equal(rows[:second], alone)
+    assert alone.any() and not rows[second:].any()
 
 
 def test_a_spike_that_the_guard_rejects_hides_no_end():

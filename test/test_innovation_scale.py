@@ -2,7 +2,8 @@
 
 from types import SimpleNamespace
 
-from core_helpers import block, exact_model, messages, pipeline_of
+from core_helpers import block, exact_model, four_axes, messages, pipeline_of
+from lstm_helpers import artefact_of, network_of, pipeline_with
 import numpy as np
 import pytest
 
@@ -45,11 +46,18 @@ def test_what_the_trust_in_the_model_widens_is_not_widened_again():
     assert scaled(times, 5.0, factor=100.0) == 1.0
 
 
-def run(change=lambda k, m: m):
+@pytest.fixture(scope='module')
+def silent(tmp_path_factory):
+    """Return the artefact of a network that has learnt nothing."""
+    robot = four_axes()
+    return artefact_of(tmp_path_factory.mktemp('silent'), robot, network_of(robot, size=0.0))
+
+
+def run(change=lambda k, m: m, artefact=None, rate=100.0):
     """Return the Pipeline after a run of the four-axis arm, and its last estimate."""
     model = exact_model('four')
-    pipeline = pipeline_of(model)
-    for k, m in enumerate(messages(model, block(2.0), 6.0)):
+    pipeline = pipeline_with(model, artefact) if artefact else pipeline_of(model)
+    for k, m in enumerate(messages(model, block(2.0), 6.0, rate=rate)):
         m = change(k, m)
         pipeline.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)
     return pipeline, pipeline.estimate(m.stamp)
@@ -63,9 +71,21 @@ def shaken(k, m):
                            velocity=m.velocity, effort=effort)
 
 
-def test_the_estimate_of_an_arm_that_ails_is_told_to_be_less_sure():
-    (_, well), (_, ill) = run(), run(shaken)
-    assert ill.covariance[0, 0] > 1.5 * well.covariance[0, 0]
+@pytest.mark.parametrize('learned', [False, True])
+def test_the_estimate_of_an_arm_that_ails_is_told_to_be_less_sure(learned, silent):
+    pipeline, ill = run(shaken, silent if learned else None)
+    method = pipeline.method
+    grown = method._scale.beyond(method.factor)
+    assert grown > 1.3
+    method._scale.clear()
+    np.testing.assert_allclose(method.belief().covariance[0, 0] * grown, ill.covariance[0, 0],
+                               rtol=0.05)
+
+
+def test_the_noise_of_a_slow_driver_is_not_blamed_on_the_model():
+    """The model states the residual of 100 Hz; at 30 Hz samples have more of the same noise."""
+    pipeline, _ = run(rate=30.0)
+    assert pipeline.method._scale.beyond(1.0) < 1.5
 
 
 def test_what_was_seen_is_kept_over_a_restart():

@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 
+from core_helpers import block, four_axes
 import numpy as np
 import pytest
-from residual_helpers import cable, declared_model, on, recorded, viscous
+from residual_helpers import cable, constant_friction, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.residual.another_robot import refuse_another_robot
@@ -65,11 +66,46 @@ def test_an_effort_in_another_unit_is_named():
     assert 'but 0.0' in told(torque) and 'times at j1' in told(torque)
 
 
-@pytest.mark.parametrize('hidden', [(1, 8.0, viscous), (2, 8.0, cable), (3, 8.0, viscous)])
+@pytest.mark.parametrize('hidden', [
+    (1, 8.0, viscous), (2, 8.0, cable), (3, 8.0, viscous), (1, 20.0, cable),
+    (1, 40.0, constant_friction), (3, 40.0, constant_friction)])
 def test_what_an_arm_has_of_its_own_is_none(hidden):
     model = declared_model()
     for run in recorded(on(*hidden)):
         assert wrong_joint(model, [run]) == ''
+
+
+def test_a_known_load_is_of_the_arm_and_not_of_the_effort():
+    run, load, model = recorded()[0], block(2.0), declared_model()
+    held = np.array([model.robot.load_regressor(*row) @ load.to_products() for row in
+                     zip(run.motion.q, run.motion.v, run.motion.a)])
+    assert np.sqrt(np.mean(held[:, 1] ** 2)) > 10.0 * model.noise[1]
+    assert wrong_joint(model, [replace(run, load=load)]) == ''
+    reported = run.torque + held
+    reported[:, 1] *= -1.0
+    said = wrong_joint(model, [replace(run, load=load, torque=reported - held)])
+    assert 'effort of j1 has the other sign' in said
+
+
+def test_a_configured_load_was_taken_off_before_the_mistake():
+    entry = {'mass': 2.0, 'com': [0.02, -0.03, 0.1], 'inertia': [0.0] * 6}
+    robot = four_axes(effort={'kind': 'motor_torque', 'includes_configured_load': True,
+                              'configured_load': entry})
+    model, run, zero = replace(declared_model(), robot=robot), recorded()[0], np.zeros(4)
+    taken_off = np.array([robot.load_regressor(q, zero, zero)
+                          @ robot.effort.configured_load.to_products() for q in run.motion.q])
+    assert wrong_joint(model, [run]) == ''
+    reported = run.torque - taken_off
+    reported[:, 1] *= -1.0
+    said = wrong_joint(model, [replace(run, torque=reported + taken_off)])
+    assert 'effort of j1 has the other sign' in said
+
+
+def test_an_arm_that_creeps_is_not_judged():
+    torque = recorded()[0].torque.copy()
+    torque[:, 1] *= -1.0
+    slow = {'v': 0.03 * np.sign(recorded()[0].motion.v)}
+    assert told(torque) != '' and told(torque, **slow) == ''
 
 
 def test_the_wrong_one_among_good_recordings_is_named():
