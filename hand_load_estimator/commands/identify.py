@@ -54,6 +54,7 @@ def read_evidence(robot, args):
 def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification import identify
+    from ..identified_sense import nonsense
     from ..model_file import write_model
     from ..output_file import output_file
     from ..residual.repeats import share_repeated
@@ -66,6 +67,8 @@ def run(args):
     model = identify(robot, evidence, effects, progress=_say)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
+    for said in nonsense(model, evidence):
+        _say(said)
     again = share_repeated(evidence)
     if again > REPEATED:
         _say(f'{100.0 * again:.0f} % of the motion repeats what was shown before: what is held '
