@@ -9,8 +9,7 @@ import pytest
 from ros_helpers import ROOT
 
 from hand_load_estimator.benchmark import cases, cost
-from hand_load_estimator.benchmark.contestants import (chosen_methods, cost_of, functions_of,
-                                                       REGRESSOR)
+from hand_load_estimator.benchmark.contestants import chosen_methods, cost_of, functions_of
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import cost_blocks
 from hand_load_estimator.errors import ConfigurationError
@@ -29,12 +28,12 @@ def test_cost_is_told_over_one_regressor_call():
              'regressor': {'mean': 1e-5, 'p50': 1e-5, 'p99': 2e-5},
              'joint_state': {'mean': 5e-5, 'p50': 4e-5, 'p99': 8e-5}, 'start_mib': 1.0,
              'growth_mib': 0.25}
-    content = cost.cost_scores({'cost_lstm': found})
-    assert content['cost'][REGRESSOR]['mean'] == 1e-5
+    slower = {**found, 'name': 'gru', 'regressor': {'mean': 3e-5, 'p50': 2e-5, 'p99': 4e-5}}
+    content = cost.cost_scores({'cost_lstm': found, 'cost_gru': slower})
     page = to_markdown(cost_blocks(content))
     # 500 joint states of 50 us and 50 samples of 300 us are 40 ms of every second.
-    assert '| lstm | 300.0 | 200.0 | 900.0 | 30 | 90 | 4.0 | +1.0 | +0.2 |' in page
-    assert 'guard and filter | 50.0 | 40.0 | 80.0 | 5 | 8 | - | - | - |' in page
+    assert '| lstm | 300.0 | 200.0 | 900.0 | 10.0 | 30 | 90 | 50.0 | 4.0 | +1.0 | +0.2 |' in page
+    assert '| gru | 300.0 | 200.0 | 900.0 | 30.0 | 10 | 30 |' in page, 'its own process counts'
     assert 'joint torque regressor call (whole arm)' in page
     assert '`lstm` has no artefact here and ran as `bayes`' in page
 

@@ -257,8 +257,9 @@ def test_changes_and_soak_are_judged():
 
 
 def test_cost_is_judged_beside_what_joint_states_cost():
-    cost = {'cost': {REGRESSOR: {'mean': 1e-5}, 'lstm': {'mean': 2e-4, 'p99': 9e-4}},
-            'joint_state': {'mean': 5e-5}}
+    cost = {'cost': {'lstm': {'mean': 2e-4, 'p99': 9e-4}, 'gru': {'mean': 1e-3, 'p99': 1e-2}},
+            'regressor': {'lstm': {'mean': 1e-5}, 'gru': {'mean': 9e-5}},
+            'joint_state': {'lstm': {'mean': 5e-5}, 'gru': {'mean': 9e-5}}}
     goal = f'per sample of 20 ms over {REGRESSOR}'
     # One joint state in ten makes a sample.
     assert judged({'cost': cost})[goal] == (

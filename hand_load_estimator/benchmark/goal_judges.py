@@ -180,7 +180,7 @@ def _cost_rows(content):
     cost = (content or {}).get('cost')
     if not cost or DEFAULT not in cost:
         return [GoalRow(*goal)]
-    unit, before = cost[REGRESSOR]['mean'], content['joint_state']['mean']
+    unit, before = (content[what][DEFAULT]['mean'] for what in ('regressor', 'joint_state'))
     mean, tail = (cost[DEFAULT][key] / unit for key in ('mean', 'p99'))
     # What a joint state costs on average, of which not every one makes a sample.
     each = before / unit + mean / (BLOCK * RATE)
