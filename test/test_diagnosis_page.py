@@ -44,6 +44,14 @@ def test_headline_prefers_what_is_confirmed():
     assert 'torque ripple found' in diagnosis_page.headline(diagnosis)
 
 
+def test_every_finding_has_a_sentence():
+    diagnosis = dataclasses.replace(found(), findings=(unknown(), ripple(), spring()))
+    told = diagnosis_page.sentences(diagnosis)
+    assert len(told) == 3 and told[0] == diagnosis_page.headline(diagnosis)
+    assert any('gravity spring may have changed' in text for text in told)
+    assert any('of unknown kind suspected' in text for text in told)
+
+
 def test_headline_does_not_call_structure_a_fit():
     assert diagnosis_page.headline(nothing()).startswith('No missing effect found')
     left = np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0])

@@ -36,7 +36,7 @@ def run(args):
     from ..model_file import read_model, write_model
     from ..recording_mark import refuse_repeats
     from ..report.diagnosis_json import diagnosis_content
-    from ..report.diagnosis_page import headline, write_page
+    from ..report.diagnosis_page import sentences, write_page
     from ..residual.diagnose import diagnose
     from ..residual.load_error import known_torque, with_load_errors
     from ..shared_files import find_shared
@@ -69,7 +69,8 @@ def run(args):
                     dated(diagnosis.correction.model, diagnosis.correction.sliding))
     (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
     write_page(out / 'report.html', diagnosis)
-    print(json.dumps(content) if args.json else f'{headline(diagnosis)}\n{out / "report.html"}')
+    print(json.dumps(content) if args.json
+          else '\n'.join((*sentences(diagnosis), str(out / 'report.html'))))
     return 0
 
 

@@ -40,13 +40,20 @@ def _nothing(diagnosis):
 
 def headline(diagnosis):
     """Return the result in one plain-text sentence: where, what, torque error before, after."""
+    return sentences(diagnosis)[0]
+
+
+def sentences(diagnosis):
+    """Return a plain-text sentence per finding, confirmed ones first, or one that says none."""
     findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
-    if not findings:
-        return _nothing(diagnosis)
-    first = findings[0]
-    j = _strongest(first, diagnosis.joints)
-    of = '' if len(first.joints) == 1 else f' of {diagnosis.joints[j]}'
-    named = f'{where(first, diagnosis.joints)}: {what(first)}'
+    return [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
+
+
+def _sentence(finding, diagnosis):
+    """Return where, what, and the torque error before and after of its joint."""
+    j = _strongest(finding, diagnosis.joints)
+    of = '' if len(finding.joints) == 1 else f' of {diagnosis.joints[j]}'
+    named = f'{where(finding, diagnosis.joints)}: {what(finding)}'
     if not math.isfinite(diagnosis.after[j]):
         return f'{named}; torque error{of} not known, because no joint slid in the test'
     before, after = number_text(diagnosis.before[j]), number_text(diagnosis.after[j])
