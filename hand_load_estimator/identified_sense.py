@@ -19,7 +19,7 @@ CHECK = ('the effort or the angle has the other sign, another unit, or belongs t
 
 
 def nonsense(model, evidence):
-    """Return a sentence for each joint of a TorqueModel that identify() made of Evidence nonsense."""
+    """Return a sentence for each joint of which a TorqueModel of Evidence says what cannot be."""
     v = np.concatenate([e.motion.v for e in evidence])
     torque = np.concatenate([e.torque for e in evidence])
     tells = np.concatenate([e.tells for e in evidence]) & (np.abs(v) > MOVES)

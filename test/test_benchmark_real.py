@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ros_helpers import ROOT
 
-from hand_load_estimator.benchmark import real
+from hand_load_estimator.benchmark import offline, real
 from hand_load_estimator.benchmark.contestants import (Contestant, NOMINAL, OUR_MODEL, TEXTBOOK,
                                                        TEXTBOOK_CAREFUL)
 from hand_load_estimator.benchmark.document import to_markdown
@@ -55,9 +55,17 @@ def test_data_that_is_not_there_is_refused(tmp_path):
 
 
 @pytest.mark.skipif(not (DATA / 'staubli_tx40').is_dir(), reason=f'no recordings at {DATA}')
-def test_a_measured_set_is_identified_and_estimated(tmp_path):
-    (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',))
-    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL, OUR_MODEL}
+def test_a_measured_set_is_identified_and_estimated(tmp_path, monkeypatch):
+    monkeypatch.setattr(offline, '_identify', lambda name: lambda robot, run: (
+        np.full(10, float(len(run.stamp))), np.full(10, 0.5)))
+    (found,) = real.measure_set('staubli_tx40', str(DATA), str(tmp_path), ('bayes',),
+                                ('figaroh',))
+    assert set(found['methods']) == {'bayes', NOMINAL, TEXTBOOK, TEXTBOOK_CAREFUL, OUR_MODEL,
+                                     'figaroh'}
+    # Asked at 3 s, at 10 s where the run is that long, and at the end.
+    early, late = found['methods']['figaroh'][2], found['methods']['figaroh'][-1]
+    assert found['methods']['figaroh'][:2] == [None, None]
+    assert early[1] == late[1] == 0.5 and 0.0 < early[0] < late[0]
     assert found['truth'] == 0.0 and found['rated'] == 1.7
     mass, std = found['methods']['bayes'][-1]
     assert abs(mass) < 1.7 and 0.0 < std < 1.0

@@ -18,7 +18,7 @@ from hand_load_estimator.learning import (bayesian_network, distilled_network, n
                                           torque_gp)
 from hand_load_estimator.learning.difference_artefact import CARD, read_difference, WEIGHTS
 from hand_load_estimator.learning.difference_data import difference_data
-from hand_load_estimator.learning.difference_inputs import (INPUTS, difference_inputs,
+from hand_load_estimator.learning.difference_inputs import (difference_inputs, input_width, INPUTS,
                                                             parse_inputs)
 from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.model_file import model_digest, read_model, write_model
@@ -135,7 +135,28 @@ def test_e3_1_inputs_are_chosen_by_name():
     for wrong in ('speed', 'velocity,velocity', ''):
         with pytest.raises(ConfigurationError, match='--inputs'):
             parse_inputs(wrong)
-    assert set(INPUTS) == {'position', 'velocity', 'acceleration', 'temperature'}
+    assert set(INPUTS) == {'position', 'velocity', 'acceleration', 'temperature', 'pose'}
+
+
+def test_e2_1_a_joint_may_see_the_pose_of_the_whole_arm():
+    q = np.arange(8.0).reshape(2, 4)
+    x = difference_inputs(('velocity', 'pose'), q, 0 * q, 0 * q, 0 * q)
+    assert x.shape == (2, 4, 5) and input_width(('velocity', 'pose'), 4) == 5
+    np.testing.assert_array_equal(x[..., 1:], np.broadcast_to(q[:, None], (2, 4, 4)))
+
+
+def test_e2_1_what_a_wrong_link_leaves_is_learned_from_the_pose(tmp_path):
+    """Torque of the first lifting joint by the angle of the second, not by its own."""
+    runs = []
+    for run in evidence():
+        wrong = np.zeros_like(run.torque)
+        wrong[:, 1] = 8.0 * np.sin(2.0 * run.motion.q[:, 2])
+        runs.append(replace(run, torque=run.torque + wrong))
+    own, pose = (learn_difference(tmp_path / name, model(), runs, 'gp', ('velocity', name),
+                                  write=lambda text: None).share[1]
+                 for name in ('position', 'pose'))
+    assert pose < 0.6 * own, (pose, own)
+    assert read_difference(tmp_path / 'pose', model()).inputs == ('velocity', 'pose')
 
 
 def test_e2_6_a_network_distilled_from_the_process_answers_alike(learned, monkeypatch):

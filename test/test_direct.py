@@ -150,6 +150,16 @@ def test_E1_5_joint_subset_reduces_inputs(robot):
         assert network_of(robot, design)(x)[0].shape == (2, 40, 10)
 
 
+@pytest.mark.parametrize('name', ['gru', 'elman', 'jordan', 'feedforward'])
+def test_E1_3_E1_4_layers_units_and_window_are_chosen(robot, name):
+    sizes = {'layers': 2, 'hidden': 12, **({'window': 10} if name == 'feedforward' else {})}
+    design = design_for(robot, name, **sizes)
+    plain = design_for(robot, name, **{**sizes, 'layers': 1})
+    count, fewer = (sum(weight.numel() for weight in build_network(robot, d).parameters())
+                    for d in (design, plain))
+    assert count > fewer and (design.layers, design.hidden) == (2, 12)
+
+
 @pytest.mark.parametrize('name', NETWORKS)
 def test_E1_5_parameters_not_asked_for_keep_the_prior(tmp_path, robot, name):
     design = design_of(robot, name, parameters=('m', 'y'), joints=('j1', 'j2'))

@@ -105,6 +105,9 @@ def test_pieces_grow_and_begin_anywhere(trained):
     (['--network', 'gru', '--parameters', 'mass'], 'm, x, y, z'),
     (['--network', 'gru', '--joints', 'j0,j9'], 'j9'),
     (['--network', 'magic'], 'lstm_direct'),
+    (['--network', 'gru', '--layers', '0'], '1 to 8'),
+    (['--network', 'gru', '--window', '10'], 'does not go with --network gru'),
+    (['--layers', '2'], 'does not go with --network lstm'),
     (['--parameters', 'm'], 'does not go with --network lstm')])
 def test_wrong_choices_end_with_two_and_a_line(trained, tmp_path, capsys, arguments, said):
     known = ['--model', str(trained[0] / 'model.yaml'), '--out', str(tmp_path / 'out')]

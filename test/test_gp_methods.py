@@ -1,14 +1,22 @@
 """Methods on the learned difference: histogram filter, regression, searches."""
 
+import json
+import os
+import subprocess
+import sys
+
 from core_helpers import block, exact_model, feed, recording_of, warm
 from difference_helpers import evidence, model, stream
 from gp_helpers import LOAD, pipeline
 import numpy as np
 import pytest
+from ros_helpers import ROOT
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method
+from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
+                                                       restore_checkpoint, write_checkpoint)
 from hand_load_estimator.estimators.gp_histogram import GpHistogram
 from hand_load_estimator.estimators.gp_search import GpEvolution, GpSwarm
 from hand_load_estimator.estimators.registry import ON_DIFFERENCE
@@ -175,6 +183,31 @@ def test_without_a_learned_difference_the_command_to_run_is_told(name):
         build_method(exact_model('four'), follower.uncertainties, name)
 
 
+def test_a_checkpoint_belongs_to_the_learned_function(folder, tmp_path):
+    made = pipeline('gp_bayes', folder)
+    feed(made, stream(LOAD, 3.0, seed=7))
+    write_checkpoint(tmp_path / 'c', made.state(), belongs_to(made))
+    again = pipeline('gp_bayes', folder)
+    restore_checkpoint(tmp_path / 'c', again, 60.0)
+    np.testing.assert_allclose(again.method.belief().mean, made.method.belief().mean)
+    learn_difference(tmp_path / 'other', model(), evidence()[:1], names=('velocity',))
+    other = pipeline('gp_bayes', tmp_path / 'other')
+    with pytest.raises(CheckpointError, match='another learned torque difference'):
+        restore_checkpoint(tmp_path / 'c', other, 60.0)
+
+
+def test_e2_7_the_swarm_is_loaded_before_the_arm_moves(folder):
+    """Loading takes two seconds, in which a node hears nothing."""
+    code = ('import sys\n'
+            'from gp_helpers import pipeline\n'
+            f'pipeline("gp_swarm", {str(folder)!r})\n'
+            'print("evox.workflows" in sys.modules)')
+    done = subprocess.run([sys.executable, '-c', code], cwd=ROOT / 'test', text=True,
+                          env={**os.environ, 'PYTHONPATH': f'{ROOT}:{ROOT / "test"}'},
+                          capture_output=True, check=True)
+    assert done.stdout.split()[-1] == 'True'
+
+
 def test_the_command_learns_and_estimates(tmp_path, capsys):
     write_model(tmp_path / 'model.yaml', model())
     write_load_file(tmp_path / 'known.yaml', block(1.0))
@@ -190,5 +223,8 @@ def test_the_command_learns_and_estimates(tmp_path, capsys):
     out = str(tmp_path / 'e.json')
     assert main(['estimate', paths['run'], '--model', paths['model.yaml'], '--method',
                  'gp_bayes', '--learned', paths['out'], '--out', out]) == 0
+    # What was carried while learning is not learned as the arm's.
+    told = json.loads((tmp_path / 'e.json').read_text('utf-8'))
+    assert abs(told['mass']['mean'] - LOAD.mass) < 0.1 and told['status'] == 'DETERMINED', told
     assert main([*learn, '--load', 'none', '--function', 'magic']) == 2
     assert 'neural_process' in capsys.readouterr().err

@@ -16,6 +16,7 @@ from ..shared_files import find_shared
 from .cases import motion_start
 from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, OUR_MODEL,
                           TEXTBOOK, TEXTBOOK_CAREFUL)
+from .offline import offline_beliefs
 from .real_robots import ARMS, write_robot_file
 from .real_sets import SETS, stage
 from .rivals import COULOMB_VISCOUS, LeastSquares
@@ -27,19 +28,20 @@ MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 LOADED = {'ur10e': {'ident_20_01_13-load_2600': 2.6}}
 
 
-def real_jobs(data, names, folder, methods):
+def real_jobs(data, names, folder, methods, rivals=()):
     """Return {label: arguments} of measure_set; raises ConfigurationError without the data."""
     data = Path(data)
     if not data.is_dir():
         raise ConfigurationError('--data', 'is not there', str(data),
                                  f'the folder that holds {", ".join(SETS)}')
     found = [name for name in names or SETS if (data / name).is_dir()]
-    return {f'real_{name}': (name, str(data), str(folder), methods) for name in found}
+    return {f'real_{name}': (name, str(data), str(folder), methods, rivals)
+            for name in found}
 
 
-def measure_set(name, data, folder, methods):
+def measure_set(name, data, folder, methods, rivals=()):
     """
-    Return what every method says of the test runs of one measured set.
+    Return what every method, and offline rivals, say of the test runs of one measured set.
 
     A list of {'set', 'run', 'truth' (mass [kg] beside what the model was identified with),
     'rated', 'methods': {name: [[mass, std], ...]} at MOMENTS, None where the run is shorter}.
@@ -62,7 +64,7 @@ def measure_set(name, data, folder, methods):
     runs += [(data / name / run, mass) for run, mass in LOADED.get(name, {}).items()]
     return [{'set': name, 'run': Path(run).name, 'truth': mass, 'rated': robot.rated_load.mass,
              'methods': _beliefs(robot, models, read_recording(run, with_load=False), methods,
-                                 mass)}
+                                 mass, rivals)}
             for run, mass in runs]
 
 
@@ -81,7 +83,7 @@ def _racing(models, methods):
             NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, False))}
 
 
-def _beliefs(robot, models, recording, methods, truth):
+def _beliefs(robot, models, recording, methods, truth, rivals):
     """Return {method: [[mass, std] or None at each of MOMENTS]}; truth: the mass held [kg]."""
     samples = [s for s in motion_samples(JointStream(robot), recording) if not s.fresh]
     start, racing = motion_start(robot, recording.samples), _racing(models, methods)
@@ -93,7 +95,17 @@ def _beliefs(robot, models, recording, methods, truth):
         while due and sample.stamp >= start + due[0][1] - 1e-9:
             _note(out, due.pop(0)[0], judged(racing, beliefs, truth))
     _note(out, -1, judged(racing, beliefs, truth))
-    return out
+    told = offline_beliefs(rivals, robot, models['textbook'], samples, start)
+    return {**out, **{name: [_offline(found.get(moment), start + t <= sample.stamp)
+                             for moment, t in zip(MOMENTS, (*TIMES, 0.0))]
+                      for name, found in told.items()}}
+
+
+def _offline(found, lasted):
+    """Return [mass, std] of what a rival said; None: failed, not asked, run too short."""
+    if not lasted or found is None or isinstance(found, str):
+        return None
+    return [found[0][0], found[1][0]]
 
 
 def judged(racing, beliefs, truth):

@@ -177,7 +177,7 @@ def _other(name, robot_path, options, raw, write):
         found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
         return {**pushes.push_scores(found), 'left_out': left_out}, pushes.push_blocks
     if name == 'real':
-        jobs = real_jobs(options.data, None, raw, options.methods)
+        jobs = real_jobs(options.data, None, raw, options.methods, tuple(options.rivals))
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)
         return {**real_scores(found), 'left_out': left_out}, real_blocks
     if name == 'cost':
@@ -230,6 +230,9 @@ def run_suites(suites, options, folder, command, write=print):
     """
     names, out = suite_names(suites), Path(folder)
     options = _checked(options, out)
+    if options.rivals and set(names) <= set(OTHERS) - {'real'}:
+        raise ConfigurationError('--rivals', f'are not asked by {", ".join(names)}',
+                                 ', '.join(options.rivals), 'the accuracy suites and real')
     pages, failed = [], {}
     for name in names:
         write(f'suite {name}')

@@ -19,8 +19,8 @@ def add_arguments(parser):
     parser.add_argument('--function', default='gp', metavar='NAME',
                         help='gp, neural_process, distilled or bayesian_network (default: gp)')
     parser.add_argument('--inputs', default='velocity,temperature', metavar='a,b,...',
-                        help="of a joint's position, velocity, acceleration, temperature "
-                        '(default: %(default)s)')
+                        help="of a joint's position, velocity, acceleration, temperature, and "
+                        'pose, the positions of all joints (default: %(default)s)')
     parser.add_argument('--load', metavar='none|L.yaml', default=None,
                         help='load in all recordings; without it each load.yaml says')
     add_recording_arguments(parser)

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import ConfigurationError
-from ..learning.direct_design import design_for, NETWORKS
+from ..learning.direct_design import design_for, NETWORKS, SIZES
 from ..shared_files import find_shared
 
 EXAMPLE = """
@@ -33,6 +33,13 @@ def add_arguments(parser):
     parser.add_argument('--parameters', type=_names, default=None, metavar='A,B,...',
                         help='parameters it answers, of m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz '
                              '(default all; not for lstm)')
+    parser.add_argument('--hidden', type=int, default=None, metavar='N',
+                        help='units of a hidden layer (default 48; not for lstm)')
+    parser.add_argument('--layers', type=int, default=None, metavar='N',
+                        help='hidden layers: recurrent ones, or those behind the window (default '
+                             '1; not for lstm)')
+    parser.add_argument('--window', type=int, default=None, metavar='N',
+                        help='samples of 20 ms that feedforward reads at once (default 25)')
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
                         help='training sequences of 10 s (default 6400, to fine-tune 1216; 2048 '
                              'for the others)')
@@ -68,14 +75,18 @@ def _train(args):
     model = find_shared(args.model, 'models')
     if args.network == 'lstm':
         from ..learning.training import FINE_TUNING, Recipe, train
-        _refuse(args, ('joints', 'parameters'), ', '.join(NETWORKS))
+        _refuse(args, ('joints', 'parameters', *SIZES), ', '.join(NETWORKS))
         start = args.start_from and find_shared(args.start_from, 'learned')
         recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
         return train(model, args.out, recipe, args.device, write, start)
     from ..learning.direct_training import DirectRecipe, train_direct
     from ..model_file import read_model
     _refuse(args, ('start_from',), 'lstm')
-    design = design_for(read_model(model).robot, args.network, args.joints, args.parameters)
+    if args.network != 'feedforward':
+        _refuse(args, ('window',), 'feedforward')
+    sizes = {name: getattr(args, name) for name in SIZES if getattr(args, name) is not None}
+    design = design_for(read_model(model).robot, args.network, args.joints, args.parameters,
+                        **sizes)
     return train_direct(model, args.out, DirectRecipe(design, **chosen), args.device, write)
 
 

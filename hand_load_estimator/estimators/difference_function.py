@@ -35,6 +35,11 @@ class DifferenceFunction:
         self._expected = artefact.left_out_variance
         self.doubt = 0.0
 
+    @property
+    def fingerprint(self):
+        """Numbers that differ where another function was learned."""
+        return self._artefact.fingerprint
+
     def mean_and_variance(self, q, v, a, temperature):
         """Return mean [Nm] and variance [Nm^2] (n,) of tau_real - tau_mdl without load."""
         artefact = self._artefact

@@ -91,12 +91,13 @@ class GpSwarm(GpSearch):
     name = 'gp_swarm'
     PARTICLES, STEPS = 40, 30
 
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        # Loading torch takes seconds: only who asks for a swarm waits, and before the arm moves.
+        _swarm_library()
+
     def _search(self, cost):
-        # Loading torch takes seconds; only who asks for a swarm waits.
-        import torch
-        from evox.algorithms import PSO
-        from evox.core import Problem
-        from evox.workflows import StdWorkflow
+        torch, PSO, Problem, StdWorkflow = _swarm_library()
 
         class Density(Problem):
             """The cost as evox calls it."""
@@ -112,3 +113,11 @@ class GpSwarm(GpSearch):
             for _ in range(self.STEPS):
                 workflow.step()
         return swarm.global_best_location.numpy().astype(float)
+
+
+def _swarm_library():
+    import torch
+    from evox.algorithms import PSO
+    from evox.core import Problem
+    from evox.workflows import StdWorkflow
+    return torch, PSO, Problem, StdWorkflow

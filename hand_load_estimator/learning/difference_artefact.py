@@ -6,6 +6,7 @@ and that model; a model identified again wants a function learned again.
 """
 
 from dataclasses import dataclass
+from hashlib import sha256
 import json
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from ..estimators.inducing_points import InducingPoints
 from ..estimators.network_draws import NetworkDraws
 from ..model_file import model_digest
 from ..whole_file import whole_file
-from .difference_inputs import INPUTS
+from .difference_inputs import input_width, INPUTS
 
 SCHEMA = 'hand_load/difference/1'
 WEIGHTS, CARD = 'difference.safetensors', 'difference.json'
@@ -33,7 +34,8 @@ class DifferenceArtefact:
     """
     predictor: at(inputs) -> mean, variance; inputs: names; scale (n,) [Nm]: unit of the mean.
 
-    share, left_out_variance (n,): see difference_data.LeftOut; card: the JSON content.
+    share, left_out_variance (n,): see difference_data.LeftOut; card: the JSON content;
+    fingerprint: numbers that differ where tensors or inputs do.
     """
 
     predictor: object
@@ -42,6 +44,7 @@ class DifferenceArtefact:
     share: np.ndarray
     left_out_variance: np.ndarray
     card: dict
+    fingerprint: np.ndarray
 
 
 def write_difference(folder, model, function, names, tensors, told):
@@ -80,7 +83,7 @@ def read_difference(folder, model):
     _check_card(folder / CARD, card, model)
     tensors = {name: value.astype(float) for name, value in tensors.items()}
     predictor = PREDICTORS[card['function']]
-    sizes = {'n': model.robot.n, 'D': len(card['inputs']), '2': 2}
+    sizes = {'n': model.robot.n, 'D': input_width(card['inputs'], model.robot.n), '2': 2}
     shapes = {**predictor.SHAPES, **dict.fromkeys(_SHARED, 'n')}
     for name, shape in shapes.items():
         if name not in tensors or not _fits(tensors[name], shape, sizes):
@@ -88,7 +91,16 @@ def read_difference(folder, model):
                                      tensors[name].shape if name in tensors else 'missing',
                                      f'finite, of shape {tuple(shape)} with {sizes}', AGAIN)
     return DifferenceArtefact(predictor(tensors), tuple(card['inputs']),
-                              *(tensors[name] for name in _SHARED), card)
+                              *(tensors[name] for name in _SHARED), card,
+                              _fingerprint(card, tensors))
+
+
+def _fingerprint(card, tensors):
+    digest = sha256(json.dumps([card['function'], card['inputs']]).encode())
+    for name in sorted(tensors):
+        digest.update(tensors[name].tobytes())
+    # In numbers that a checkpoint keeps exactly.
+    return np.frombuffer(digest.digest(), np.uint16).astype(float)
 
 
 def _check_card(path, card, model):

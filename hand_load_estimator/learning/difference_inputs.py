@@ -13,7 +13,7 @@ from ..errors import ConfigurationError
 BEND_SPEED = 0.05
 POSITION, ACCELERATION, WARMTH = 1.0, 2.0, 10.0     # one unit: [rad], [rad/s^2], [K]
 
-INPUTS = ('position', 'velocity', 'acceleration', 'temperature')
+INPUTS = ('position', 'velocity', 'acceleration', 'temperature', 'pose')
 DEFAULT_INPUTS = ('velocity', 'temperature')
 
 
@@ -26,8 +26,22 @@ def parse_inputs(text):
     return names
 
 
+def input_width(names, n):
+    """Return how many numbers the named inputs of each of n joints are."""
+    return sum(n if name == 'pose' else 1 for name in names)
+
+
 def difference_inputs(names, q, v, a, warmth):
-    """Return (..., n, D) inputs of joints at q, v, a [rad, s] and warmth [K], all (..., n)."""
-    columns = {'position': lambda: q / POSITION, 'velocity': lambda: np.arcsinh(v / BEND_SPEED),
-               'acceleration': lambda: a / ACCELERATION, 'temperature': lambda: warmth / WARMTH}
-    return np.stack([columns[name]() for name in names], axis=-1)
+    """
+    Return (..., n, D) inputs of joints at q, v, a [rad, s] and warmth [K], all (..., n).
+
+    Each joint has its own, and with `pose` the positions of all joints: what wrong link data
+    leave depends on these.
+    """
+    columns = {'position': lambda: q[..., None] / POSITION,
+               'velocity': lambda: np.arcsinh(v / BEND_SPEED)[..., None],
+               'acceleration': lambda: a[..., None] / ACCELERATION,
+               'temperature': lambda: warmth[..., None] / WARMTH,
+               'pose': lambda: np.broadcast_to(q[..., None, :] / POSITION,
+                                               (*q.shape, q.shape[-1]))}
+    return np.concatenate([columns[name]() for name in names], axis=-1)

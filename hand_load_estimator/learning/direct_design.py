@@ -20,6 +20,9 @@ NETWORKS = {
     'two_network': 'LSTM for the load and LSTM for the torque error that corrects it (E1.6)',
     'dropout': 'LSTM, judged by randomly thinned copies of itself (E6.2)'}
 
+# What may be chosen of a network's size (E1.3, E1.4): least and most.
+SIZES = {'hidden': (1, 1024), 'layers': (1, 8), 'window': (1, 500)}
+
 
 @dataclass(frozen=True)
 class Design:
@@ -54,19 +57,23 @@ class Design:
         return 2 * len(self.parameters)
 
 
-def design_for(robot, network, joints=None, parameters=None):
+def design_for(robot, network, joints=None, parameters=None, **sizes):
     """
     Return the Design of a network for a robot; raises ConfigurationError.
 
-    joints, parameters: names, or None for all.
+    joints, parameters: names, or None for all; sizes: of SIZES, those that are not the default.
     """
+    for name, value in sizes.items():
+        least, most = SIZES[name]
+        if not least <= value <= most:
+            raise ConfigurationError(f'--{name}', 'is not usable', value, f'{least} to {most}')
     if network not in NETWORKS:
         raise ConfigurationError('--network', 'is not known', network, ', '.join(NETWORKS))
     # What recurrent layers gather are sums: a load is a quotient of those, which no sum gives.
     # A Jordan network's answer is what it remembers, with nothing between.
     return Design(network, _subset('--joints', joints, robot.joints),
                   _subset('--parameters', parameters, MESSAGE_ORDER),
-                  head_layers=0 if network in ('feedforward', 'jordan') else 1)
+                  head_layers=0 if network in ('feedforward', 'jordan') else 1, **sizes)
 
 
 def _subset(where, chosen, allowed):
