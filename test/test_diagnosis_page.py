@@ -52,6 +52,12 @@ def test_every_finding_has_a_sentence():
     assert any('of unknown kind suspected' in text for text in told)
 
 
+def test_a_worse_error_is_a_warning():
+    worse = dataclasses.replace(found(), after=2.0 * np.array(found().before))
+    assert 'worse on the test' in diagnosis_page.headline(worse)
+    assert 'worse' not in diagnosis_page.headline(found())
+
+
 def test_headline_does_not_call_structure_a_fit():
     assert diagnosis_page.headline(nothing()).startswith('No missing effect found')
     left = np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0])

@@ -34,7 +34,7 @@ def verdicts(total):
     rows.append(('false among all findings confirmed, any strength', 'told',
                  share_text(false, confirmed), None) if confirmed else None)
     if total['ratios']:
-        rows += [*_torque(total), *_mass(total), _mass_per_case(total)]
+        rows += [*_torque(total), *_mass(total), *_mass_per_case(total)]
     if total['seconds']:
         worst = max(total['seconds'])
         rows.append(('seconds per diagnosis, median and longest', f'<= {SECONDS_GOAL:g}',
@@ -81,5 +81,5 @@ def _mass(total):
 
 
 def _mass_per_case(total):
-    return _every(f'mass RMSE, end, of each case within {MASS_GOAL:g} x of no effect', total,
-                  'mass', MASS_GOAL)
+    return [_every(f'mass RMSE, {moment}, of each case within {MASS_GOAL:g} x of no effect', total,
+                   f'mass at {moment}', MASS_GOAL) for moment in total['mass']]

@@ -99,16 +99,21 @@ def _beyond(total):
             [*_CASE, 'before, x no effect', 'after, x no effect', 'after, x effect known'],
             [[*_case(c), f'{c["torque"]["before"]:.2f}', f'{c["torque"]["after"]:.2f}',
               f'{c["seen"]["after"]:.2f}'] for c in torque])]
-    mass = beyond(total, 'mass', MASS_GOAL)
-    if mass:
-        out += [f'## Mass error at the end beyond {MASS_GOAL:g} x of no effect',
-                f'RMSE of the {LOADED} loaded runs of a case: so few that chance alone moves the '
-                'ratio.',
-                markdown_table([*_CASE, 'before [g]', 'after [g]', 'no effect [g]', 'after, x'], [
-                    [*_case(c), *(f'{1e3 * c["mass_rmse"][when]:.1f}'
-                                  for when in ('before', 'after', 'without')),
-                     f'{c["mass"]["after"]:.2f}'] for c in mass])]
+    for moment in total['mass']:
+        mass = beyond(total, f'mass at {moment}', MASS_GOAL)
+        if mass:
+            out += [f'## Mass error, {moment}, beyond {MASS_GOAL:g} x of no effect',
+                    f'RMSE of the {LOADED} loaded runs of a case: so few that chance alone moves '
+                    'the ratio.',
+                    markdown_table([*_CASE, 'before [g]', 'after [g]', 'no effect [g]', 'after, x'],
+                                   [_mass_row(c, moment) for c in mass])]
     return out
+
+
+def _mass_row(case, moment):
+    rmse = case['mass_rmse'][moment]
+    return [*_case(case), *(f'{1e3 * rmse[when]:.1f}' for when in ('before', 'after', 'without')),
+            f'{case[f"mass at {moment}"]["after"]:.2f}']
 
 
 def _case(case):

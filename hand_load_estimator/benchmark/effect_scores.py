@@ -187,14 +187,15 @@ def _confirmed(results):
 def _ratios(result):
     """Return a single case's errors over those without its effect, and whether it was found."""
     (effect,), _ = judge(result)
-    end = MASS_MOMENTS[-1]
     return {'name': effect['name'], 'strength': effect['strength'], 'plant': result['plant'],
             'joints': result['effects'][0]['joints'], 'outcome': effect['outcome'],
             'torque': {when: torque_ratio(result, when) for when in ('before', 'after')},
             'seen': {when: seen_ratio(result, when) for when in ('before', 'after')},
-            'mass': {when: mass_ratio([result], when, end) for when in ('before', 'after')},
-            'mass_rmse': {when: _rms(result['mass'][when][end])
-                          for when in ('before', 'after', 'without')}}
+            **{f'mass at {moment}': {when: mass_ratio([result], when, moment)
+                                     for when in ('before', 'after')} for moment in MASS_MOMENTS},
+            'mass_rmse': {moment: {when: _rms(result['mass'][when][moment])
+                                   for when in ('before', 'after', 'without')}
+                          for moment in MASS_MOMENTS}}
 
 
 def only_widely(results):

@@ -18,6 +18,8 @@ from .words import (as_sentence, items_html, label_html, number_text, range_text
 
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
+# A test error that grew by more than this is no chance.
+_WORSE = 1.15
 
 
 def _strongest(finding, joints):
@@ -58,7 +60,9 @@ def _sentence(finding, diagnosis):
         return f'{named}; torque error{of} not known, because no joint slid in the test'
     before, after = number_text(diagnosis.before[j]), number_text(diagnosis.after[j])
     error = f'stays {after}' if before == after else f'{before} → {after}'
-    return f'{named}, torque error{of} {error} Nm'
+    worse = ': worse on the test, so do not use the model before you know why' \
+        if diagnosis.after[j] > _WORSE * diagnosis.before[j] else ''
+    return f'{named}, torque error{of} {error} Nm{worse}'
 
 
 def _summary(diagnosis):
@@ -112,7 +116,7 @@ def _errors(diagnosis):
         'one is all but white noise as large as samples differ from one to the next. Noise: the '
         'rest, so that structure or vibration as quick as noise counts as noise at its larger '
         'figure, and noise smoothed before it was recorded as structure at its smaller one. Not '
-        'known: the recordings tested on are too short.</p>')
+        'known: what was tested on is too short, or its error too uneven, to tell.</p>')
 
 
 def _load(diagnosis):

@@ -24,6 +24,7 @@ from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import refuse_the_useless, still_joints, too_little_gained, warmed_joints
 from .load_change import load_change
 from .not_named import sentences_on
+from .odd_recording import odd_recordings
 from .rest import rest_of
 from .standing import Standing
 from .standing_diagnosis import diagnose_standing, only_stands
@@ -84,7 +85,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*by_name, *told, *sentences, *still.values(),
-              *repeated(residual.cut, evidence, test),
+              *repeated(residual.cut, evidence, test), *odd_recordings(better, evidence),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
