@@ -14,14 +14,19 @@ from .find import find_residual
 TIMES, NOISE = 3.0, 3.0
 
 
-def odd_recordings(model, evidence):
-    """Return a sentence on each recording that a TorqueModel of all does not fit; Evidence."""
+def odd_recordings(model, better, evidence):
+    """
+    Return a sentence on each recording that does not agree with the others.
+
+    better: TorqueModel of all the Evidence; model: the one given, whose noise holds no misfit.
+    """
     names = list(dict.fromkeys(e.name for e in evidence))
     if len(names) < 2:
         return []
-    left = np.array([_left(model, [e for e in evidence if e.name == name]) for name in names])
-    return [sentence for k, name in enumerate(names)
-            for sentence in _sentence(model, name, left[k], np.delete(left, k, axis=0))]
+    left = np.array([_left(better, [e for e in evidence if e.name == name]) for name in names])
+    odd = [_odd(left, k, NOISE * model.noise) for k in range(len(names))]
+    return [_sentence(model.robot.joints, name, left, k, odd[k])
+            for k, name in enumerate(names) if odd[k].any()]
 
 
 def _left(model, parts):
@@ -30,15 +35,23 @@ def _left(model, parts):
     return sliding_rms(residual.residual, residual.sliding, residual.dt, residual.owner)
 
 
-def _sentence(model, name, own, others):
-    known = np.isfinite(others).any(axis=0) & np.isfinite(own)
-    usual = np.array([np.median(o[np.isfinite(o)]) if k else np.inf
-                      for o, k in zip(others.T, known)])
-    odd = np.flatnonzero(known & (own > TIMES * usual) & (own > NOISE * model.noise))
-    if not len(odd):
-        return []
-    j = odd[np.argmax(own[odd] / usual[odd])]
-    return [f'cannot tell whether {name} is of the same arm in the same state as the others: with '
-            f'everything that was found {model.robot.joints[j]} is off by {own[j]:.2g} Nm there '
-            f'and by {usual[j]:.2g} Nm in the others; another arm, another tool, or something '
-            'that changed in between? Diagnose it by itself']
+def _others(left, k):
+    """Return the median (n,) of what is left in the other recordings, infinite where unknown."""
+    others = np.delete(left, k, axis=0)
+    return np.array([np.median(o[np.isfinite(o)]) if np.isfinite(o).any() else np.inf
+                     for o in others.T])
+
+
+def _odd(left, k, noise):
+    """Tell which joints (n,) are off in recording k and not in the others."""
+    own = np.nan_to_num(left[k])
+    return (own > TIMES * _others(left, k)) & (own > noise)
+
+
+def _sentence(joints, name, left, k, odd):
+    usual = _others(left, k)
+    j = int(np.argmax(np.where(odd, left[k] / usual, 0.0)))
+    return (f'cannot tell whether {name} is of the same arm in the same state as the others: with '
+            f'everything that was found {joints[j]} is off by {left[k, j]:.2g} Nm there and by '
+            f'{usual[j]:.2g} Nm in the others; another arm, another tool, or something that '
+            'changed in between? Diagnose it by itself')
