@@ -141,3 +141,10 @@ def test_a_joint_that_got_worse_though_nothing_acts_there_is_told():
     assert kept == given and len(told) == 1
     assert told[0].startswith('elbow: the error') and 'from 1 to 1.03 Nm' in told[0]
     assert refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.01]))[1] == ()
+
+
+def test_a_joint_that_an_effect_of_several_made_worse_is_told():
+    given = (finding(('pan', 'elbow'), [0.9, 0.1]),)
+    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.7]))
+    assert kept == given and len(told) == 1
+    assert told[0].startswith('elbow: ') and 'though torque_ripple was found there too' in told[0]

@@ -85,7 +85,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*by_name, *told, *sentences, *still.values(),
-              *repeated(residual.cut, evidence, test), *odd_recordings(model, better, evidence),
+              *repeated(residual.cut, evidence, test),
+              *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))

@@ -87,22 +87,30 @@ def refuted(findings, joints, before, after):
     """
     worse = {name: (old, new) for name, old, new in zip(joints, before, after)
              if new > _WORSE * old}
-    kept, told = [], []
-    blamed = {name for f in findings if f.verdict == CONFIRMED and not f.recording
-              for name in f.joints}
-    told += [f'{name}: the error on what was kept for the test rose from {old:.3g} to {new:.3g} '
-             'Nm, though nothing confirmed acts there: everything is estimated together'
-             for name, (old, new) in worse.items() if name not in blamed]
+    kept, told = [], {}
     for finding in findings:
         name = _main_joint(finding, joints)
         if finding.verdict == CONFIRMED and not finding.recording and name in worse \
                 and finding.name != UNKNOWN:
             old, new = worse[name]
             finding = replace(finding, verdict=SUSPECTED)
-            told.append(f'{name}: {finding.name} is only suspected, because the error on what was '
-                        f'kept for the test rose from {old:.3g} to {new:.3g} Nm')
+            told[name] = (*told.get(name, ()), (
+                f'{name}: {finding.name} is only suspected, because the error on what was '
+                f'kept for the test rose from {old:.3g} to {new:.3g} Nm'))
         kept.append(finding)
-    return tuple(kept), tuple(told)
+    return tuple(kept), (*(_also_worse(name, *worse[name], kept) for name in worse
+                           if name not in told), *(text for texts in told.values()
+                                                   for text in texts))
+
+
+def _also_worse(name, old, new, findings):
+    """Return the sentence on a joint that became worse, but is no finding's main one."""
+    there = [f.name for f in findings if f.verdict == CONFIRMED and not f.recording
+             and name in f.joints]
+    why = f'though {" and ".join(there)} was found there too' if there else \
+        'though nothing confirmed acts there: everything is estimated together'
+    return (f'{name}: the error on what was kept for the test rose from {old:.3g} to {new:.3g} '
+            f'Nm, {why}')
 
 
 def _main_joint(finding, joints):

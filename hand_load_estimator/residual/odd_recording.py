@@ -7,32 +7,28 @@ recording to recording and not within one looks like an effect of time, and is n
 
 import numpy as np
 
-from ..sliding import sliding_rms
-from .find import find_residual
+from ..evidence import recording_numbers
 
 # A joint is off in one recording by so many times what it is in the others, and its noise.
 TIMES, NOISE = 3.0, 3.0
 
 
-def odd_recordings(model, better, evidence):
+def odd_recordings(model, evidence, left_by):
     """
-    Return a sentence on each recording that does not agree with the others.
+    Return a sentence on each recording that does not agree with the others; Evidence of all.
 
-    better: TorqueModel of all the Evidence; model: the one given, whose noise holds no misfit.
+    left_by(Evidence of one): what the better model leaves there while joints slide (n,) [Nm];
+    model: the TorqueModel given, whose noise holds no misfit.
     """
-    names = list(dict.fromkeys(e.name for e in evidence))
-    if len(names) < 2:
+    parts = {}
+    for number, part in zip(recording_numbers(evidence), evidence):
+        parts.setdefault(number, []).append(part)
+    if len(parts) < 2:
         return []
-    left = np.array([_left(better, [e for e in evidence if e.name == name]) for name in names])
-    odd = [_odd(left, k, NOISE * model.noise) for k in range(len(names))]
-    return [_sentence(model.robot.joints, name, left, k, odd[k])
-            for k, name in enumerate(names) if odd[k].any()]
-
-
-def _left(model, parts):
-    """Return what a model leaves of the parts of one recording while joints slide (n,) [Nm]."""
-    residual = find_residual(model, parts, cut=False)
-    return sliding_rms(residual.residual, residual.sliding, residual.dt, residual.owner)
+    left = np.array([left_by(own) for own in parts.values()])
+    odd = [_odd(left, k, NOISE * model.noise) for k in range(len(left))]
+    return [_sentence(model.robot.joints, own[0].name, left, k, odd[k])
+            for k, own in enumerate(parts.values()) if odd[k].any()]
 
 
 def _others(left, k):
