@@ -12,6 +12,8 @@ from hand_load_estimator.benchmark import retraining
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.effect_cases import EffectCase, SINGLE
 from hand_load_estimator.benchmark.measure import MOMENTS
+from hand_load_estimator.benchmark.effect_measure import Prepared
+from hand_load_estimator.benchmark.effect_recordings import NewArm, Recordings
 from hand_load_estimator.benchmark.other_pages import retraining_blocks
 from hand_load_estimator.learning.artefact import CARD, WEIGHTS
 from hand_load_estimator.learning.training import Recipe
@@ -37,8 +39,8 @@ def measured(tmp_path, monkeypatch):
     old, trained = read_model(find_shared('ur10e', 'models')), []
     better = replace(old, mean=1.001 * old.mean)
     finding = SimpleNamespace(name='torque_ripple', joints=('elbow_joint',), changed=True)
-    monkeypatch.setattr(retraining, 'prepared', lambda *_: (
-        SimpleNamespace(model=old), SimpleNamespace(evidence=(), test=())))
+    monkeypatch.setattr(retraining, 'prepared', lambda *_: Prepared(
+        NewArm(old, None, {}), Recordings((), (), ()), ()))
     monkeypatch.setattr(retraining, 'diagnosis_of', lambda *_: (
         SimpleNamespace(findings=(finding,)), better, 1.0))
 

@@ -1,5 +1,6 @@
 """One case from plant to result: hide the effects, record, diagnose, judge the better model."""
 
+from dataclasses import dataclass
 import time
 
 import numpy as np
@@ -11,8 +12,17 @@ from ..robot import load_robot
 from .effect_cases import place
 from .effect_errors import differences, mass_errors, rms, torque_rmse
 from .effect_outcome import naming
-from .effect_recordings import new_arm, record, tested_floors
+from .effect_recordings import new_arm, NewArm, record, Recordings, tested_floors
 from .effect_truth import model_change, stated, true_change
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Of a case: the arm before anything happened, what is recorded after, floors of the tests."""
+
+    arm: NewArm
+    recordings: Recordings
+    floors: tuple
 
 
 def diagnosis_of(model, evidence, test):
@@ -35,21 +45,22 @@ def case_result(case, robot_path):
     except ConfigurationError as error:
         return {**out, 'skipped': str(error)}
     out['effects'] = [{'joints': [], **entry} for entry in entries]
-    arm, recordings, floors = prepared(case, entries, robot_path)
+    made = prepared(case, entries, robot_path)
+    arm, recordings = made.arm, made.recordings
     diagnosis, better, seconds = diagnosis_of(arm.model, recordings.evidence, recordings.test)
     said = _said(diagnosis)
     return {**out, **said, 'seconds': seconds,
             'parameters': _parameters(robot, case.plant, entries, (arm.model, better),
                                       said['findings']),
-            **_errors(arm, better, recordings, floors)}
+            **_errors(arm, better, recordings, made.floors)}
 
 
 def prepared(case, entries, robot_path):
-    """Return the NewArm of a case, Recordings with the effects of `entries`, and their Floors."""
+    """Return what is Prepared of a case with the effects of `entries`."""
     arm = new_arm(str(robot_path), case.plant)
     effects = parse_effects(entries, arm.model.robot)
-    return (arm, record(arm.model.robot, case.plant, effects),
-            tested_floors(arm.model, case.plant, effects))
+    return Prepared(arm, record(arm.model.robot, case.plant, effects),
+                    tuple(tested_floors(arm.model, case.plant, effects)))
 
 
 def _said(diagnosis):

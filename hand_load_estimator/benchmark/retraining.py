@@ -47,15 +47,16 @@ def measure_retraining(robot_path, case, learned, folder, runs, recipes=RECIPES)
     """
     robot = load_robot(robot_path)
     entries = place(robot, case)
-    arm, recordings = prepared(case, entries, robot_path)
-    diagnosis, better, _ = diagnosis_of(arm.model, recordings.evidence, recordings.test)
+    made = prepared(case, entries, robot_path)
+    old = made.arm.model
+    diagnosis, better, _ = diagnosis_of(old, made.recordings.evidence, made.recordings.test)
     work = Path(folder) / case.label
     work.mkdir(parents=True, exist_ok=True)
     write_model(work / 'better.yaml', better)
     shipped = learned or shipped_artefact(robot)
     seconds = {choice: _trained(work, choice, recipe, shipped, robot)
                for choice, recipe in recipes.items()}
-    racing = {OLD: (arm.model, DEFAULT, shipped), KEPT: (better, DEFAULT, shipped),
+    racing = {OLD: (old, DEFAULT, shipped), KEPT: (better, DEFAULT, shipped),
               **{choice: (better, DEFAULT, str(work / choice)) for choice in recipes},
               WITHOUT: (better, WITHOUT_NETWORK, None)}
     loads, rows = _judged(robot, case.plant, runs, entries, racing)
