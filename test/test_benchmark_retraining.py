@@ -38,11 +38,13 @@ def measured(tmp_path, monkeypatch):
     """Return a result of a case whose training and diagnosis are made up, and what was trained."""
     old, trained = read_model(find_shared('ur10e', 'models')), []
     better = replace(old, mean=1.001 * old.mean)
-    finding = SimpleNamespace(name='torque_ripple', joints=('elbow_joint',), changed=True)
+    finding = SimpleNamespace(name='torque_ripple', joints=('elbow_joint',), changed=False,
+                              verdict='confirmed', recording='')
+    unsure = SimpleNamespace(**{**vars(finding), 'verdict': 'suspected'})
     monkeypatch.setattr(retraining, 'prepared', lambda *_: Prepared(
         NewArm(old, None, {}), Recordings((), (), ()), ()))
     monkeypatch.setattr(retraining, 'diagnosis_of', lambda *_: (
-        SimpleNamespace(findings=(finding,)), better, 1.0))
+        SimpleNamespace(findings=(finding, unsure)), better, 1.0))
 
     def train(model_path, folder, recipe, start_from):
         assert read_model(model_path).mean == pytest.approx(better.mean)

@@ -10,6 +10,7 @@ from ..estimators.build import shipped_artefact
 from ..learning.artefact import CARD, read_artefact
 from ..learning.training import FINE_TUNING, Recipe, train
 from ..model_file import write_model
+from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from ..robot import load_robot
 from .cases import Case, case_run, draw_case
 from .contestants import DEFAULT, our_contestants, WITHOUT_NETWORK
@@ -66,7 +67,8 @@ def measure_retraining(robot_path, case, learned, folder, runs, recipes=RECIPES)
 
 def _found(diagnosis):
     """Return in words what a Diagnosis has put into the model."""
-    told = [f'{f.name} on {", ".join(f.joints)}' for f in diagnosis.findings if f.changed]
+    told = [f'{f.name} on {", ".join(f.joints)}' for f in diagnosis.findings
+            if f.verdict == CONFIRMED and f.name != UNKNOWN and not f.recording]
     return '; '.join(told) or 'nothing'
 
 
