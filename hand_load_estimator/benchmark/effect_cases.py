@@ -9,8 +9,11 @@ from ..errors import ConfigurationError
 from ..plant import Plant
 from ..plant.effects_file import parse_effects
 from ..plant.hidden import EFFECTS
+from .effect_truth import true_change
 
 SINGLE, PAIR, CLEAN, OUTSIDE = 'single', 'pair', 'clean', 'outside'
+# One effect of the same size on all joints, and two on one joint.
+COMMON, SAME_JOINT = 'common', 'same_joint'
 # Effects of the plant that no model knows, and the variable that a report has to name. A swing
 # follows no variable of the arm: it rings in time, with its own frequency.
 NOT_IN_VOCABULARY = {'speed_resonance_friction': 'velocity', 'swinging_load': 'time'}
@@ -23,6 +26,8 @@ MEDIUM = 2.0             # from here on the goals count
 REPEATS = 2
 PAIRS, PAIR_STRENGTH = 12, 3.0
 OUTSIDE_STRENGTH = 3.0
+ON_ALL = ('torque_scale', 'torque_scale_temperature', 'time_delay')
+SAME_JOINTS = 8
 PLANTS = 20
 # Plants and loads of this suite lie behind those of the base suite.
 _BENCHMARK = seeds.BENCHMARK_PLANTS[120:120 + PLANTS]
@@ -67,6 +72,7 @@ def suite_cases(robot, development=False):
     """
     plants = plants_of(development)
     cases = [*_singles(robot, plants), *_pairs(robot, plants), *_outside(robot, plants),
+             *_common(plants), *_same_joint(robot, plants),
              *(EffectCase(CLEAN, plant) for plant in plants)]
     return sorted(cases, key=lambda case: case.plant)
 
@@ -96,25 +102,49 @@ def _joints(robot, name, rng):
     return tuple(int(j) for j in rng.permutation(robot.n))
 
 
+def _common(plants):
+    wanted = [(name, strength) for name in ON_ALL for strength in STRENGTHS[1:]]
+    return [EffectCase(COMMON, plants[-1 - k], (Hidden(*those),))
+            for k, those in enumerate(wanted)]
+
+
 def _pairs(robot, plants):
-    names = [name for name, effect in EFFECTS.items()
-             if effect.per_joint and name not in NOT_IN_VOCABULARY]
     out = []
     for plant in plants[:PAIRS]:
         rng = np.random.default_rng([plant, PAIRS])
-        chosen = rng.choice(names, 2, replace=False)
         out.append(EffectCase(PAIR, plant, tuple(
-            Hidden(str(name), PAIR_STRENGTH, _joints(robot, name, rng)) for name in chosen)))
+            Hidden(name, PAIR_STRENGTH, _joints(robot, name, rng)) for name in _two(rng))))
     return out
+
+
+def _same_joint(robot, plants):
+    out = []
+    for plant in plants[-SAME_JOINTS:]:
+        rng = np.random.default_rng([plant, SAME_JOINTS])
+        names, joints = _two(rng), tuple(int(j) for j in rng.permutation(robot.n))
+        out.append(EffectCase(SAME_JOINT, plant, tuple(
+            Hidden(name, PAIR_STRENGTH, joints) for name in names)))
+    return out
+
+
+def _two(rng):
+    names = [name for name, effect in EFFECTS.items()
+             if effect.per_joint and name not in NOT_IN_VOCABULARY]
+    return [str(name) for name in rng.choice(names, 2, replace=False)]
 
 
 def place(robot, case):
     """
     Return the entries of an effects file for a case, each effect on a joint of its own.
 
-    The first joint in order on which the effect can be so strong is taken; raises
-    ConfigurationError when there is none.
+    The first joint in order on which the effect can be so strong is taken, in a SAME_JOINT case
+    the first for all of them; in a COMMON case all joints have the size at which the one that
+    feels it most does so as strongly as stated. Raises ConfigurationError when there is none.
     """
+    if case.kind == COMMON:
+        return [_on_all(robot, case.plant, *case.hidden)]
+    if case.kind == SAME_JOINT:
+        return _on_one(robot, case)
     entries = []
     for hidden in case.hidden:
         entries.append(_entry(robot, case.plant, hidden, entries))
@@ -122,21 +152,51 @@ def place(robot, case):
 
 
 def _entry(robot, plant, hidden, others):
-    entry = {'name': hidden.name, 'strength': hidden.strength}
     if not hidden.joints:
-        return entry
+        return {'name': hidden.name, 'strength': hidden.strength}
     taken = [joint for other in others for joint in other.get('joints', ())]
     for joint in hidden.joints:
-        if robot.joints[joint] in taken:
-            continue
-        placed = {**entry, 'joints': [robot.joints[joint]]}
-        try:
-            Plant(robot, seed=plant, effects=parse_effects([placed], robot))
-        except ConfigurationError:
-            continue
-        return placed
-    raise ConfigurationError(f'plant {plant}', f'{hidden.name} cannot be so strong on any joint',
-                             hidden.strength)
+        placed = _at(robot, hidden, joint)
+        if robot.joints[joint] not in taken and _possible(robot, plant, [placed]):
+            return placed
+    raise _too_strong(plant, hidden)
+
+
+def _on_one(robot, case):
+    for joint in case.hidden[0].joints:
+        placed = [_at(robot, hidden, joint) for hidden in case.hidden]
+        if _possible(robot, case.plant, placed):
+            return placed
+    raise _too_strong(case.plant, case.hidden[0])
+
+
+def _on_all(robot, plant, hidden):
+    amplitude = EFFECTS[hidden.name].amplitude
+    each = [_at(robot, hidden, joint) for joint in range(robot.n)]
+    sizes = [true_change(robot, plant, entry)[amplitude] for entry in each
+             if _possible(robot, plant, [entry])]
+    if not sizes:
+        raise _too_strong(plant, hidden)
+    return {'name': hidden.name, 'joints': list(robot.joints),
+            'parameters': {amplitude: min(sizes)}}
+
+
+def _at(robot, hidden, joint):
+    return {'name': hidden.name, 'strength': hidden.strength, 'joints': [robot.joints[joint]]}
+
+
+def _possible(robot, plant, entries):
+    """Tell whether a plant can have these entries of an effects file."""
+    try:
+        Plant(robot, seed=plant, effects=parse_effects(entries, robot))
+    except ConfigurationError:
+        return False
+    return True
+
+
+def _too_strong(plant, hidden):
+    return ConfigurationError(f'plant {plant}', f'{hidden.name} cannot be so strong on any joint',
+                              hidden.strength)
 
 
 def load_seeds(plant, count):

@@ -22,6 +22,9 @@ def verdicts(total):
             _share('the same as the first, naming both counted for more pairs than the design '
                    'has', total['single_widely'], 90),
             _share('both of a pair right', total['pairs'], 75),
+            _share('both of a pair on one joint right', total['same_joint'], 75),
+            _share('right effect and all joints, one effect of the same size on all joints',
+                   total['common'], 90),
             _share('outside the vocabulary: `unknown` confirmed with its joint and variable',
                    total['outside'], 100),
             _share('contact or load change: named or kept out of the model', total['kept_out'],

@@ -44,7 +44,8 @@ def case_result(case, robot_path):
         entries = place(robot, case)
     except ConfigurationError as error:
         return {**out, 'skipped': str(error)}
-    out['effects'] = [{'joints': [], **entry} for entry in entries]
+    out['effects'] = [{'joints': [], 'strength': h.strength, **entry}
+                      for h, entry in zip(case.hidden, entries)]
     made = prepared(case, entries, robot_path)
     arm, recordings = made.arm, made.recordings
     diagnosis, better, seconds = diagnosis_of(arm.model, recordings.evidence, recordings.test)

@@ -1,10 +1,11 @@
 """The result page of the effects suite: Markdown tables."""
 
 from .document import markdown_table
+from .effect_cases import PAIR, SAME_JOINT
 from .effect_goals import beyond, MASS_GOAL, TORQUE_GOAL, verdicts
 from .effect_outcome import FREQUENCY_OFF, RIGHT, UNTOLD
 from .effect_recordings import DIAGNOSED, LOADED
-from .effect_scores import (confusions, effect_rows, ENOUGH_ROWS, measured, not_tried,
+from .effect_scores import (common_rows, confusions, effect_rows, ENOUGH_ROWS, measured, not_tried,
                             only_widely, pair_rows, totals, tried, WITHIN)
 from .share import share_text
 
@@ -59,7 +60,10 @@ def effects_markdown(results, command, commit, cases=()):
         f'beside it; {total["both_named"]} counted as right by naming both (strengths 2 and 5).',
         '## Figures of the effects found', *_within(results), _parameter_table(results),
         '## Confirmed in place of the right one', _confusion_table(results),
-        '## Two effects', _pair_table(results), *_left_out(results)]
+        '## Two effects', _pair_table(pair_rows(results, PAIR)),
+        '## Two effects on one joint', _pair_table(pair_rows(results, SAME_JOINT)),
+        '## One effect of the same size on all joints', _common_table(results),
+        *_left_out(results)]
     return '\n\n'.join(parts) + '\n'
 
 
@@ -105,8 +109,9 @@ def _beyond(total):
             out += [f'## Mass error, {moment}, beyond {MASS_GOAL:g} x of no effect',
                     f'RMSE of the {LOADED} loaded runs of a case: so few that chance alone moves '
                     'the ratio.',
-                    markdown_table([*_CASE, 'before [g]', 'after [g]', 'no effect [g]', 'after, x'],
-                                   [_mass_row(c, moment) for c in mass])]
+                    markdown_table(
+                        [*_CASE, 'before [g]', 'after [g]', 'no effect [g]', 'after, x'],
+                        [_mass_row(c, moment) for c in mass])]
     return out
 
 
@@ -177,11 +182,21 @@ def _confusion_table(results):
     return markdown_table(['hidden', 'confirmed'], rows) if rows else 'None.'
 
 
-def _pair_table(results):
-    return markdown_table(['plant', 'hidden', 'outcome', 'false beside'], [
+def _pair_table(rows):
+    return markdown_table(['plant', 'hidden', 'joints', 'outcome', 'false beside'], [
         [str(row['plant']), ', '.join(f'`{name}`' for name in row['names']),
-         ', '.join(row['outcomes']), ', '.join(row['false']) or _NONE]
-        for row in pair_rows(results)])
+         ', '.join(dict.fromkeys(row['joints'])), ', '.join(row['outcomes']),
+         ', '.join(row['false']) or _NONE] for row in rows])
+
+
+def _common_table(results):
+    head = ['plant', 'hidden', 'strength', 'outcome', 'false beside', 'torque, x no effect',
+            'mass after, 3 s and end, x']
+    return markdown_table(head, [
+        [str(row['plant']), f'`{row["name"]}`', f'{row["strength"]:g}', row['outcome'],
+         ', '.join(row['false']) or _NONE, _arrow(row['torque'], 2),
+         ', '.join(f'{ratio:.2f}' for ratio in row['mass'].values())]
+        for row in common_rows(results)])
 
 
 def _left_out(results):

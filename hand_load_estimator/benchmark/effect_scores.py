@@ -5,7 +5,8 @@ from collections import Counter
 import numpy as np
 
 from ..residual.diagnosis import CONFIRMED
-from .effect_cases import CLEAN, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SINGLE
+from .effect_cases import (CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SAME_JOINT,
+                           SINGLE)
 from .effect_errors import MASS_MOMENTS
 from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
 
@@ -133,13 +134,26 @@ def confusions(results):
     return {name: dict(counts) for name, counts in out.items()}
 
 
-def pair_rows(results):
-    """Return a row per pair: names, outcomes, false findings."""
+def pair_rows(results, kind=PAIR):
+    """Return a row per pair of a kind: names, joints, outcomes, false findings."""
     rows = []
-    for result in _of_kind(tried(results), PAIR):
+    for result in _of_kind(tried(results), kind):
         effects, false = judge(result)
         rows.append({'plant': result['plant'], 'names': [e['name'] for e in effects],
+                     'joints': [joint for e in result['effects'] for joint in e['joints']],
                      'outcomes': [e['outcome'] for e in effects], 'false': false})
+    return rows
+
+
+def common_rows(results):
+    """Return a row per effect on all joints: outcome, what is false beside it, ratios."""
+    rows = []
+    for result in _of_kind(measured(results), COMMON):
+        (effect,), false = judge(result)
+        rows.append({'plant': result['plant'], **effect, 'false': false,
+                     'torque': {when: torque_ratio(result, when) for when in ('before', 'after')},
+                     'mass': {moment: mass_ratio([result], 'after', moment)
+                              for moment in MASS_MOMENTS}})
     return rows
 
 
@@ -163,6 +177,8 @@ def totals(results):
         'single_widely': _right(effects, widely=True),
         'kept_out': [len(outside), sum(map(kept_out, outside))],
         'pairs': _right(_of_kind(tried(results), PAIR)),
+        'same_joint': _right(_of_kind(tried(results), SAME_JOINT)),
+        'common': _right(_of_kind(tried(results), COMMON)),
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
         'clean': [len(_of_kind(measured(results), CLEAN)),
                   sum(len(judge(r)[1]) for r in _of_kind(measured(results), CLEAN))],
