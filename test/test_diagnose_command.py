@@ -19,6 +19,7 @@ from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.model_file import read_model
+from hand_load_estimator.residual import load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis
 from hand_load_estimator.residual.load_error import with_load_errors
 
@@ -210,6 +211,21 @@ def test_the_artefact_is_fine_tuned_from_the_better_model(folder, artefact, monk
     assert card['model']['sha256'] == hashlib.sha256(better.read_bytes()).hexdigest()
     assert main(['estimate', str(folder / 'loaded'), '--model', str(better), '--learned',
                  str(folder / 'tuned' / 'learned'), '--out', str(folder / 'out.json')]) == 0
+
+
+def test_loads_are_judged_by_the_artefact_shipped_for_the_arm_too(folder, artefact, monkeypatch):
+    """It is what a node runs unless told otherwise; without one there is nothing to say."""
+    arguments = folder, 'run1', '--test', 'loaded'
+    assert diagnosed(*arguments, out='unshipped')[1]['learned'] == {'done': 'kept'}
+    monkeypatch.setattr(load_error, 'shipped_artefact', lambda _: artefact)
+    _, report = diagnosed(*arguments, out='shipped')
+    learned, plain = report['learned'], report['load_error']
+    assert (learned['done'], learned['artefact']) == ('kept', 'as trained')
+    before, after = (learned['load_error'][when] for when in ('before', 'after'))
+    assert after['mass_rmse'] < before['mass_rmse'] and after['n'] == 1
+    assert learned['load_error'] != plain
+    assert 'by method lstm, the default, with the artefact <em>as trained</em>' in (
+        folder / 'shipped' / 'report.html').read_text()
 
 
 def test_an_unchanged_model_leaves_the_artefact_as_it_is(folder, artefact, capsys):

@@ -38,7 +38,8 @@ def run(args):
     from ..report.diagnosis_json import diagnosis_content
     from ..report.diagnosis_page import sentences, write_page
     from ..residual.diagnose import diagnose
-    from ..residual.load_error import known_torque, with_load_errors
+    from ..residual.load_error import (known_torque, with_kept_artefact,
+                                       with_load_errors)
     from ..shared_files import find_shared
     from .identify import dated, known_load, placed, stated_load
     model = read_model(find_shared(args.model, 'models'))
@@ -63,6 +64,8 @@ def run(args):
         from ..residual.fine_tuning import with_fine_tuning
         diagnosis = with_fine_tuning(diagnosis, better, out / 'model.yaml', start,
                                      out / 'learned', tests, _say)
+    else:
+        diagnosis = with_kept_artefact(diagnosis, model, better, tests)
     content = diagnosis_content(diagnosis)
     if diagnosis.correction is not None:
         write_model(out / 'model_with_correction.yaml',

@@ -96,7 +96,9 @@ def _not_named(diagnosis):
             for found in not_named(diagnosis.structure, diagnosis.joints)]
 
 
-def _learned(fine_tuning):
+def _learned(fine_tuning, kept):
+    if kept is not None:
+        return {'done': 'kept', 'artefact': kept.name, 'load_error': _both_load_errors(kept)}
     if fine_tuning is None:
         return {'done': 'kept'}
     return {'done': 'fine-tuned', 'started_from': fine_tuning.started_from, 'folder': 'learned',
@@ -128,5 +130,6 @@ def diagnosis_content(diagnosis):
             'model': 'model_with_correction.yaml',
             'torque_rmse': _numbers(diagnosis.correction.after)},
         'not_named': _not_named(diagnosis),
-        'structure': _structure(diagnosis.structure), 'learned': _learned(diagnosis.fine_tuning),
+        'structure': _structure(diagnosis.structure),
+        'learned': _learned(diagnosis.fine_tuning, diagnosis.kept),
         'seconds': _number(diagnosis.seconds)}

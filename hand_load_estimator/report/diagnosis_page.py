@@ -138,6 +138,15 @@ def _load_table(head, before, after):
     return html_table(head, rows)
 
 
+def _kept(kept):
+    """Return the errors with the artefact shipped for the arm, nothing without one."""
+    if kept is None:
+        return ''
+    return (f'<p>The same by method lstm, the default, with the artefact '
+            f'<em>{escape(kept.name)}</em> as it is:</p>'
+            + _load_table(['', 'before', 'after'], kept.load_before, kept.load_after))
+
+
 def _learned(fine_tuning):
     """Return what became of the learned artefact, nothing where it was left as it is."""
     if fine_tuning is None:
@@ -204,7 +213,8 @@ def page(diagnosis):
         f'<title>{head}</title><style>{STYLE}</style></head><body>'
         f'<p class="quiet">Diagnosis of the torque model of {escape(diagnosis.robot)}</p>'
         f'<h1>{head}</h1>' + (_summary(diagnosis) if diagnosis.findings else '')
-        + _errors(diagnosis) + _load(diagnosis) + _learned(diagnosis.fine_tuning)
+        + _errors(diagnosis) + _load(diagnosis) + _kept(diagnosis.kept)
+        + _learned(diagnosis.fine_tuning)
         + structure_section(diagnosis) + effects + _remains(diagnosis) + _origin(diagnosis)
         + '</body></html>\n')
 

@@ -131,6 +131,19 @@ class FineTuning:
 
 
 @dataclass(frozen=True)
+class KeptArtefact:
+    """
+    The learned artefact that is shipped for the arm, left as it is.
+
+    name; load_before, load_after: LoadError of method `lstm` with the old and the better model.
+    """
+
+    name: str
+    load_before: LoadError
+    load_after: LoadError
+
+
+@dataclass(frozen=True)
 class Structure:
     """
     Where a residual lives, joint by joint, on the recordings that were diagnosed.
@@ -167,7 +180,8 @@ class Diagnosis:
     is surely structure, which no effect explains; cannot_tell: sentences `cannot tell X because
     Y`; load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
-    it; fine_tuning: what became of the learned artefact, None where it was left as it is;
+    it; fine_tuning: what became of the learned artefact, None where it was left as it is; kept:
+    a KeptArtefact where it was and loads are known, else None;
     structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model
     leaves now while joints slide, as of Residuals, or None; seen: names of recordings tested on
     that the model itself was identified from; refitted: it was identified from all of them, and
@@ -192,6 +206,7 @@ class Diagnosis:
     remains: tuple = ()
     correction: Correction | None = None
     fine_tuning: FineTuning | None = None
+    kept: KeptArtefact | None = None
     structure: tuple | None = None
     sliding: np.ndarray | None = None
     seen: tuple = ()

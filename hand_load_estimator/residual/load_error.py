@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..estimators.bayes import Bayes
+from ..estimators.build import shipped_artefact
 from ..estimators.lstm import Lstm
 from ..joint_stream import JointStream, motion_samples
+from ..learning.artefact import read_artefact
 from ..load_file import ASSUMED
 from ..model_follower import ModelFollower
-from .diagnosis import LoadError
+from .diagnosis import KeptArtefact, LoadError
 
 
 def with_load_errors(diagnosis, model, better, runs):
@@ -23,6 +25,20 @@ def with_load_errors(diagnosis, model, better, runs):
     if before is None:
         return replace(diagnosis, load_reason=_no_load_error(runs))
     return replace(diagnosis, load_before=before, load_after=load_error(better, runs))
+
+
+def with_kept_artefact(diagnosis, model, better, runs):
+    """
+    Return the Diagnosis with the errors of method `lstm` too, by the artefact shipped for the arm.
+
+    runs: as of with_load_errors. Without one, or without known loads, as it is.
+    """
+    folder = shipped_artefact(model.robot)
+    if folder is None or diagnosis.load_before is None:
+        return diagnosis
+    artefact = read_artefact(folder, model.robot)
+    return replace(diagnosis, kept=KeptArtefact(artefact.card.get('name', folder.name), *(
+        load_error(m, runs, artefact) for m in (model, better))))
 
 
 def known_torque(run):
