@@ -151,49 +151,65 @@ def effect(name, joints, verdict='confirmed', alternatives=()):
                              for other in alternatives]}
 
 
+def told(results, *rest):
+    """Return the table of results that nothing was found in with the parts exchanged."""
+    again = {name: report_of([]) for name in results}
+    return table(results, again, *rest)
+
+
 def test_the_table_names_effects_at_their_joints():
-    lines = table({'kr300': report_of([
+    lines = told({'kr300': report_of([
         effect('gravity_spring', ['lift'], alternatives=['link_inertia']),
         effect('time_delay', ['lift', 'twist'], 'suspected')])}).splitlines()
     assert lines[:2] == list(HEAD)
     assert lines[2] == ('| kr300 | lift | 412 -> 0.123 | 0.1 | `gravity_spring` or `link_inertia` '
-                        '(confirmed), `time_delay` (suspected) | 34 % structure |')
-    assert lines[3] == '| kr300 | twist | - -> 2 | - | `time_delay` (suspected) | not known |'
+                        '(confirmed), `time_delay` (suspected) | none | 34 % structure |')
+    assert lines[3] == ('| kr300 | twist | - -> 2 | - | `time_delay` (suspected) | none | not '
+                        'known |')
     assert len(lines) == 4
 
 
 def test_what_may_as_well_be_stands_at_its_own_joints_only():
     tilt = {**effect('base_tilt', ['lift', 'twist']), 'alternatives': [
         {'effect': 'cable_drag', 'joints': ['twist'], 'behind': 1.0, 'std': 1.0}]}
-    lines = table({'kr300': report_of([tilt])}).splitlines()
+    lines = told({'kr300': report_of([tilt])}).splitlines()
     assert '| `base_tilt` (confirmed) |' in lines[2]
     assert '| `base_tilt` or `cable_drag` (confirmed) |' in lines[3]
 
 
+def test_what_is_named_with_the_parts_exchanged_stands_beside_it():
+    first, other = report_of([effect('time_delay', ['lift'])]), report_of(
+        [effect('gravity_spring', ['lift'], alternatives=['cable_drag'])])
+    again = {'arm': other, 'leg': 'took too long'}
+    lines = table({'arm': first, 'leg': first}, again).splitlines()
+    assert '`time_delay` (confirmed) | `gravity_spring` or `cable_drag` (confirmed)' in lines[2]
+    assert '| none | none |' in lines[3] and '| failed: took too long |' in lines[4]
+
+
 def test_a_joint_without_effects_says_none():
-    assert table({'arm': report_of([])}).splitlines()[2].endswith('| none | 34 % structure |')
+    assert told({'arm': report_of([])}).splitlines()[2].endswith('| none | none | 34 % structure |')
     quiet = {**report_of([]), 'unexplained': [0.01, 0.0], 'unexplained_most': [0.02, 0.0]}
-    assert table({'arm': quiet}).splitlines()[2].endswith('| none | noise |')
+    assert told({'arm': quiet}).splitlines()[2].endswith('| none | none | noise |')
 
 
 def test_what_is_known_within_limits_only_is_told_with_both():
     report = {**report_of([]), 'noise_floor': [0.0564, 0.8], 'noise_most': [0.1, None],
               'unexplained': [0.344, None], 'unexplained_most': [0.8, 0.84]}
-    lines = table({'arm': report}).splitlines()
+    lines = told({'arm': report}).splitlines()
     assert '| 0.0564 to 0.1 |' in lines[2] and lines[2].endswith('| 34 to 80 % structure |')
-    assert lines[3].endswith('| - | none | not known |')
+    assert lines[3].endswith('| - | none | none | not known |')
 
 
 def test_what_structure_without_a_name_follows_is_told():
     known = [[{'follows': 'velocity', 'share': 0.479}, {'follows': 'time', 'share': 0.06}], []]
-    lines = table({'arm': {**report_of([]), 'not_named': known}}).splitlines()
+    lines = told({'arm': {**report_of([]), 'not_named': known}}).splitlines()
     assert lines[2].endswith(
-        '| none | 34 % structure; not named: follows velocity (48 %), time (6 %) |')
-    assert lines[3].endswith('| none | not known |')
+        '| none | none | 34 % structure; not named: follows velocity (48 %), time (6 %) |')
+    assert lines[3].endswith('| none | none | not known |')
 
 
 def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():
-    lines = table({'arm': report_of([], ['cannot tell friction of twist because it never moves',
+    lines = told({'arm': report_of([], ['cannot tell friction of twist because it never moves',
                                          'cannot tell effects of temperature'])}).splitlines()
     assert lines[3].endswith('| not known; cannot tell friction of twist because it never moves |')
     assert lines[2].endswith('| 34 % structure |')
@@ -201,21 +217,21 @@ def test_what_cannot_be_told_stands_at_its_joint_or_below_the_table():
 
 
 def test_loaded_runs_have_a_table_of_their_own():
-    lines = table({'arm': report_of([])}, {'arm': [('run', 2.6, 2.517, 2.532)]}).splitlines()
+    lines = told({'arm': report_of([])}, {'arm': [('run', 2.6, 2.517, 2.532)]}).splitlines()
     assert lines[-1] == '| arm | run | 2.6 | 2.517 -> 2.532 | -83 -> -68 |'
 
 
 def test_assumed_loads_are_told_below_the_table():
-    text = table({'arm': report_of([])}, {}, {'arm': 'none, because the source states none',
-                                              'other': ''})
+    text = told({'arm': report_of([])}, {}, {'arm': 'none, because the source states none',
+                                             'other': ''})
     assert text.endswith('\n\n- arm: none, because the source states none\n')
     assert 'Loads assumed' in text and 'other' not in text
     assert all(SETS[name].assumed for name in ('ur10', 'lwr4', 'kr300', 'nist_ur5'))
 
 
 def test_a_sentence_cannot_break_the_table():
-    row = table({'arm': 'a|b\nand more'}).splitlines()[2]
-    assert row == '| arm | all | - | - | failed: a/b and more | - |'
+    row = told({'arm': 'a|b\nand more'}).splitlines()[2]
+    assert row == '| arm | all | - | - | failed: a/b and more | - | - |'
 
 
 @needs_data
@@ -234,12 +250,19 @@ def test_a_set_that_fails_does_not_stop_the_others(tmp_path, monkeypatch, capsys
     monkeypatch.setattr(command, 'hand_load', fake)
     assert command.main(DATA, tmp_path, 'ur10', 'lwr4') == 1
     text = (tmp_path / 'table.md').read_text()
-    assert '| ur10 | all | - | - | failed: hand_load diagnose: no reason | - |' in text
+    assert '| ur10 | all | - | - | failed: hand_load diagnose: no reason | - | - |' in text
     assert '| lwr4 | lift |' in text
-    assert capsys.readouterr().out.startswith('1 of 2: ur10 ')
-    diagnose = next(a for a in asked if a[0] == 'diagnose' and 'lwr4' in str(a[-1]))
-    test = diagnose[diagnose.index('--test') + 1:]
-    assert [path.name for path in test] == ['measurements_3']
+    said = capsys.readouterr().out
+    assert said.startswith('1 of 2: ur10 ') and '2 of 2: lwr4, parts exchanged ' in said
+    first, again = (a for a in asked if a[0] == 'diagnose' and 'lwr4' in str(a[-1]))
+    one, two, other = ([f'measurements_{k}'] for k in (1, 2, 3))
+    assert [path.name for path in first[1:3]] == one + two and _tested(first) == other
+    assert [path.name for path in again[1:2]] == other and _tested(again) == one + two
+
+
+def _tested(diagnose):
+    """Return the names of the recordings that `hand_load diagnose` was to test on."""
+    return [path.name for path in diagnose[diagnose.index('--test') + 1:]]
 
 
 def test_a_wrong_set_is_refused(tmp_path, capsys):

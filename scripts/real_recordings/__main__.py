@@ -37,16 +37,20 @@ def hand_load(*arguments):
         raise SetFailed(f'{said[-1]} (exit {done.returncode})')
 
 
-def diagnose_set(name, data, out):
+def diagnose_set(name, data, out, exchanged=False):
     """
     Return the content of report.json of one set.
 
-    data, out: Paths; reports go to out/<set>, what they are made from to out/inputs/<set>.
+    data, out: Paths; reports go to out/<set>, what they are made from to out/inputs/<set>;
+    exchanged: learned from what is else the test, and tested on the rest, below out/exchanged.
     """
+    out = out / 'exchanged' if exchanged else out
     chosen, inputs, reports = SETS[name], out / 'inputs' / name, out / name
     for folder in (inputs, reports):
         shutil.rmtree(folder, ignore_errors=True)
     train, test = stage(chosen, data / name, inputs)
+    if exchanged:
+        train, test = test, train
     robot = write_robot_file(name, data, inputs) if chosen.robot in ARMS else chosen.robot
     base = inputs / 'base.yaml'
     hand_load('identify', *train, '--robot', robot, '--effects', ','.join(chosen.effects),
@@ -70,14 +74,14 @@ def loads_of(name, data, out):
                           for model in models)) for run, mass in LOADED.get(name, {}).items()]
 
 
-def diagnose_sets(names, data, out):
+def diagnose_sets(names, data, out, exchanged=False):
     """Return {set: report, or why there is none}, with a line of progress for each."""
-    results = {}
+    results, how = {}, ', parts exchanged' * exchanged
     for number, name in enumerate(names, start=1):
-        print(f'{number} of {len(names)}: {name}', end=' ', flush=True)
+        print(f'{number} of {len(names)}: {name}{how}', end=' ', flush=True)
         start = time.monotonic()
         try:
-            results[name] = diagnose_set(name, data, out)
+            results[name] = diagnose_set(name, data, out, exchanged)
             said = f'{len(results[name]["effects"])} effects'
         except (SetFailed, HandLoadError, OSError, ValueError, KeyError) as error:
             results[name] = said = str(error)
@@ -97,11 +101,12 @@ def main(data, out, *names):
         print(f'error: {data} is not there; give the folder that holds {", ".join(SETS)}',
               file=sys.stderr)
         return 2
-    results = diagnose_sets(names or tuple(SETS), data, out)
+    names = names or tuple(SETS)
+    results, again = (diagnose_sets(names, data, out, exchanged) for exchanged in (False, True))
     out.mkdir(parents=True, exist_ok=True)
-    text = table(results, {name: loads_of(name, data, out) for name, result in results.items()
-                           if name in LOADED and not isinstance(result, str)},
-                 {name: SETS[name].assumed for name in results})
+    loads = {name: loads_of(name, data, out) for name, result in results.items()
+             if name in LOADED and not isinstance(result, str)}
+    text = table(results, again, loads, {name: SETS[name].assumed for name in results})
     (out / 'table.md').write_text(text, encoding='utf-8')
     print(text)
     return int(any(isinstance(result, str) for result in results.values()))

@@ -1,7 +1,7 @@
 """The report.json files of all sets as one Markdown table."""
 
-HEAD = ('| set | joint | torque RMSE [Nm] | noise [Nm] | effects named | left, and what the '
-        'recordings cannot tell |', '|---|---|---|---|---|---|')
+HEAD = ('| set | joint | torque RMSE [Nm] | noise [Nm] | effects named | named with the parts '
+        'exchanged | left, and what the recordings cannot tell |', '|---|---|---|---|---|---|---|')
 LOADED_HEAD = ('| set | loaded run | known mass [kg] | estimated before -> after [kg] | '
                'error [g] |', '|---|---|---|---|---|')
 # Structure below this share of what is left is told as noise, as in the report.
@@ -33,18 +33,27 @@ def _named(effect, joint):
     return f'`{effect["name"]}`{others} ({effect["verdict"]})'
 
 
-def rows_of(name, report):
-    """Return a set's table rows; report: content of its report.json (DESIGN section 4)."""
+def _all_named(report, joint):
+    return ', '.join(_named(effect, joint) for effect in report['effects']
+                     if joint in effect['joints']) or 'none'
+
+
+def rows_of(name, report, again):
+    """
+    Return a set's table rows.
+
+    report: content of its report.json (DESIGN section 4); again: the same with what was learned
+    from and tested on exchanged, or the sentence that says why there is none.
+    """
     rows = []
     for joint, before, after, *noise_share in zip(
             report['joints'], report['before']['torque_rmse'], report['after']['torque_rmse'],
             report['noise_floor'], report['noise_most'], report['unexplained'],
             report['unexplained_most']):
         noise, share = noise_share[:2], noise_share[2:]
-        effects = [_named(effect, joint) for effect in report['effects']
-                   if joint in effect['joints']]
+        other = f'failed: {_cell(again)}' if isinstance(again, str) else _all_named(again, joint)
         rows.append(f'| {name} | {joint} | {_number(before)} -> {_number(after)} | '
-                    f'{_range(*noise, _number)} | {", ".join(effects) or "none"} | '
+                    f'{_range(*noise, _number)} | {_all_named(report, joint)} | {other} | '
                     f'{_left(joint, share, report)} |')
     return rows
 
@@ -100,22 +109,23 @@ def loaded_rows(name, loads):
 
 def failed_row(name, sentence):
     """Return the row of a set that has no report, with the sentence that says why."""
-    return f'| {name} | all | - | - | failed: {_cell(sentence)} | - |'
+    return f'| {name} | all | - | - | failed: {_cell(sentence)} | - | - |'
 
 
-def table(results, loads=None, assumed=None):
+def table(results, again, loads=None, assumed=None):
     """
     Return the Markdown of {set: report, or the sentence of a set that failed}.
 
-    loads: {set: [(run, known mass, mass before, mass after)]} [kg]; assumed: {set: what load the
-    model was made with, and why that is no knowledge}, empty where it is.
+    again: the same with the parts exchanged; loads: {set: [(run, known mass, mass before, mass
+    after)]} [kg]; assumed: {set: what load the model was made with, and why that is no
+    knowledge}, empty where it is.
     """
     lines, cannot, loaded = list(HEAD), of_all_joints(results), []
     for name, result in results.items():
         if isinstance(result, str):
             lines.append(failed_row(name, result))
             continue
-        lines += rows_of(name, result)
+        lines += rows_of(name, result, again[name])
         loaded += loaded_rows(name, (loads or {}).get(name, ()))
     if cannot:
         lines += ['', 'Not to be told of any joint:', '', *cannot]
