@@ -148,6 +148,14 @@ def leaning(run, x=0.02, y=-0.03):
                      for q in run.x.q])
 
 
+def heavier_links(run):
+    """Links other than declared: heavier ones, and some whose centre of mass is elsewhere."""
+    layout = ColumnLayout(run.robot.n, ())
+    links = np.zeros((run.robot.n, 10))
+    links[:, :4] = np.array([[0.5], [0.3], [0.4], [0.2]]) * [1.0, 0.1, -0.08, 0.05]
+    return torque_columns(run.robot, layout, run.x) @ links.ravel()
+
+
 def turned(x, y):
     """Return the rotation by a small vector (x, y, 0) [rad]."""
     k = np.array([[0.0, 0.0, y], [0.0, 0.0, -x], [-y, x, 0.0]])

@@ -9,6 +9,7 @@ import pytest
 from hand_load_estimator.residual.blocks import Score
 from hand_load_estimator.residual.candidate import (Candidate, joined, significant,
                                                     standard_error, Step)
+from hand_load_estimator.residual.choice import chosen_step
 from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.trace import Trace
 
@@ -36,9 +37,31 @@ def candidate(name, gain, spread=0.0):
 @pytest.mark.parametrize('gain, rival', [(5.0, 'viscous_friction'), (-5.0, None)])
 def test_what_gains_nothing_is_no_rival(gain, rival):
     best, other = candidate('rotor_inertia', 900.0), candidate('viscous_friction', gain)
-    step = Trace._step(None, best, [best, other], 30.0)
+    step = chosen_step(best, [best, other], 30.0, ())
     assert step.chosen is best and step.alternatives == ()
     assert (step.next_best and step.next_best.name) == rival
+
+
+def test_without_an_adequate_rival_the_best_of_all_others_is_the_runner_up():
+    best, other = candidate('rotor_inertia', 900.0), candidate('viscous_friction', 700.0)
+    less = candidate('torque_offset', 30.0)
+    step = chosen_step(best, [best], 30.0, [best, less, other])
+    assert step.alternatives == () and step.next_best is other
+    assert chosen_step(best, [best, less], 30.0, [other]).next_best is less
+
+
+@pytest.mark.parametrize('behind, common', [(1.0, True), (80.0, False)])
+def test_joints_that_agree_have_one_figure_in_common(behind, common):
+    """Twelve figures that gain no more than two say less of the cause than the two."""
+    def delays(gain, shared):
+        parts = tuple((Hypothesis('time_delay', j, {j: np.ones((4, 1))}, np.ones(1),
+                                  {'shift': 0.01}), None) for j in range(4))
+        by_block = gain / 10.0 + shared * np.array([9.0, -9.0] * 5)
+        return Candidate('time_delay', parts, gain, standard_error(by_block), by_block, shared)
+    each, together = delays(2000.0, False), delays(2000.0 - behind, True)
+    step = chosen_step(each, [each, together, candidate('viscous_friction', 90.0)], 30.0, ())
+    assert step.chosen.common is common and step.next_best.name == 'viscous_friction'
+    assert step.alternatives == ()
 
 
 @pytest.mark.parametrize('other', ['cable_drag', 'rotor_inertia'])
@@ -48,7 +71,7 @@ def test_an_alternative_is_what_blocks_cannot_tell(other, gain, spread, told):
     """What falls behind in every block is told, however little; not of a pair of the design."""
     best = candidate('gravity_spring', 2000.0)
     rival = candidate(other, gain, spread)
-    step = Trace._step(None, best, [best, rival], 30.0)
+    step = chosen_step(best, [best, rival], 30.0, ())
     told = told and not (other == 'cable_drag' and gain == 1990.0)
     assert step.chosen is best and step.alternatives == (() if told else (rival,))
 
@@ -57,14 +80,14 @@ def test_of_pairs_of_the_design_only_those_of_one_joint_are_named_together():
     best, rival = candidate('gravity_spring', 2000.0), candidate('link_inertia', 1990.0)
     elsewhere = Candidate(rival.name, tuple((replace(h, joint=1), s) for h, s in rival.parts),
                           rival.gain, rival.std, rival.by_block)
-    step = Trace._step(None, best, [best, rival, elsewhere], 30.0)
+    step = chosen_step(best, [best, rival, elsewhere], 30.0, ())
     assert step.alternatives == (rival,)
 
 
 def test_what_gains_no_more_than_chance_is_no_alternative():
     best, rival = candidate('gravity_spring', 200.0, -12.0), candidate('cable_drag', 130.0, 12.0)
     weak = candidate('torque_offset', 60.0, 40.0)
-    step = Trace._step(None, best, [best, rival, weak], 30.0)
+    step = chosen_step(best, [best, rival, weak], 30.0, ())
     assert step.alternatives == (rival,)
 
 

@@ -4,12 +4,13 @@ from effect_helpers import DT
 import numpy as np
 import pytest
 from residual_helpers import (a_little_late, assert_only, assert_repaired, cable, clean_runs,
-                              constant_friction, declared_model, diagnosed, Hidden, late, leaning,
-                              levelling, misread, narrow_peak, noise_of, on, peak, play, recorded,
-                              resonance, ripple, SECONDS, stretched, thinning, told, turned_late,
-                              viscous, warming)
+                              constant_friction, declared_model, diagnosed, heavier_links, Hidden,
+                              late, leaning, levelling, misread, narrow_peak, noise_of, on,
+                              peak, play, recorded, resonance, ripple, SECONDS, stretched,
+                              thinning, told, turned_late, viscous, warming)
 
 from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.residual.candidate import single
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import hypotheses, turned as turned_exactly
@@ -114,6 +115,9 @@ def test_effort_that_comes_late_is_one_finding():
     delays = [found.parameters[f'delay ({joint})'][:2] for joint in found.joints]
     for mean, std in delays:
         assert abs(mean - DT) < 4.0 * std and std < 0.5 * DT
+    # Joints that agree have one shift, and of a short one only its product with the share shows.
+    (shift,) = {found.parameters[f'shift ({joint})'][0] for joint in found.joints}
+    assert shift == pytest.approx(DT, rel=0.1)
     assert (diagnosis.after < diagnosis.before).all()
 
 
@@ -178,6 +182,19 @@ def test_a_leaning_base_is_one_finding():
     assert_repaired(diagnosis, 1)
 
 
+@pytest.mark.parametrize('hidden, better', [(leaning, False), (heavier_links, True)])
+def test_a_leaning_base_is_weighed_against_all_links_at_once(hidden, better):
+    """No single link moves all joints as a base does; several do, where no axis is upright."""
+    model = declared_model()
+    trace = Trace(model, find_residual(model, recorded(hidden)), ())
+    trace._evaluate()
+    tilt = single(*next(pair for key, pair in trace._scores.items() if key[0] == 'base_tilt'))
+    step = trace._step(tilt, [tilt], 30.0)
+    (links,) = step.alternatives
+    assert step.chosen is tilt and (links.name, links.joints) == ('link_inertia', [0, 1, 2, 3])
+    assert (links.gain > tilt.gain) == better and links.gain > 0.95 * tilt.gain
+
+
 def test_a_base_that_leans_far_is_taken_exactly():
     """To first order only, what is left of such a turn looks like a heavier link."""
     def far(run):
@@ -195,6 +212,15 @@ def test_a_base_that_leans_far_is_taken_exactly():
             for h, s in ((first, score), (exact, better))]
     assert left[1] < 0.3 * left[0] and better.gain > score.gain
     assert better.theta * exact.scale == pytest.approx([0.12, -0.1], abs=2e-3)
+
+
+def test_shapes_settle_beside_what_is_found_later():
+    """The first of two friction effects on a joint takes some of the other until that is known."""
+    alone, _ = diagnosed(on(1, 8.0, narrow_peak))
+    both, _ = diagnosed(on(1, 8.0, narrow_peak), on(1, 4.0, stretched), on(1, 4.0, cable))
+    velocity, beside = (next(f for f in d.findings if f.name == 'stribeck_friction')
+                        .parameters['stribeck_velocity'][0] for d in (alone, both))
+    assert beside == pytest.approx(velocity, rel=0.05)
 
 
 # Two, and none of the known.

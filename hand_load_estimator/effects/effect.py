@@ -8,6 +8,9 @@ import numpy as np
 
 from .smooth_sign import sign_of
 
+# [rad/s] Slower motion tells nothing of friction: noise and presliding hide its direction.
+SLOWEST = 0.01
+
 
 @dataclass(frozen=True)
 class EffectInput:
@@ -64,7 +67,7 @@ class Shape:
 
     An empty grid: it is found from the residual (the period of a ripple). gain [nats]: what
     another value must explain more than the default does, which is then no such shape, as
-    infinity is.
+    infinity is; least: no search goes below it.
     """
 
     name: str
@@ -72,6 +75,7 @@ class Shape:
     default: float
     grid: tuple
     gain: float = 0.0
+    least: float = 0.0
 
     def there(self, value):
         """Tell whether a value says anything: infinite, or not worth its price, it is plain."""
@@ -120,6 +124,11 @@ class Effect:
     def told(self, shape):
         """Return those of the values {name: value} of a shape that say anything."""
         return {s.name: shape[s.name] for s in self.shapes if s.there(shape[s.name])}
+
+    def bounded(self, shape):
+        """Return the values {name: value} of a shape, none below what a search may reach."""
+        return shape | {s.name: max(shape[s.name], s.least) for s in self.shapes
+                        if s.name in shape}
 
     def default_shape(self):
         """Return the mapping of shape names to defaults."""

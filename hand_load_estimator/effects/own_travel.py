@@ -7,7 +7,7 @@ from .effect import Shape
 # Contacts are springs: the larger a friction, the longer the way over which they bend (Canudas de
 # Wit et al. 1995). Infinity: it turns as the joint's other friction; only a residual tells more.
 OWN_TRAVEL = Shape('travel', 'rad', np.inf, (np.inf,), 25.0)
-POWER = Shape('power', '-', np.inf, (np.inf,), 25.0)
+POWER = Shape('power', '-', np.inf, (np.inf,), 25.0, least=1.0)
 
 
 def of_own_travel(x, j, shape, plain, *peak):

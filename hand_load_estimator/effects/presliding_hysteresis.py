@@ -1,8 +1,7 @@
 """Friction before a joint has really moved."""
 
-import numpy as np
-
 from .effect import Effect, Shape
+from .own_travel import POWER
 
 
 def _columns(x, j, _):
@@ -15,5 +14,5 @@ PRESLIDING_HYSTERESIS = Effect(
     (('level', 'Nm'),), (0.1,), _columns,
     (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3)),
      # Of the way it turns (presliding.turned); only a residual tells it.
-     Shape('power', '-', np.inf, (np.inf,), 25.0)),
+     POWER),
     against='travel since reversal', default=True, positive=(0,))

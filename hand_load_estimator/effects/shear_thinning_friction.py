@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .effect import Effect, Shape
+from .effect import Effect, Shape, SLOWEST
 
 
 def _columns(x, j, shape):
@@ -15,5 +15,6 @@ def _columns(x, j, shape):
 SHEAR_THINNING_FRICTION = Effect(
     'shear_thinning_friction', 'grows less than velocity, as a lubricant that thins under shear',
     'Cross 1965; Waiboer et al. 2005', (('level', 'Nm'),), (0.1,), _columns,
-    (Shape('thinning_velocity', 'rad/s', 0.5, (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)),
+    (Shape('thinning_velocity', 'rad/s', 0.5, (0.05, 0.1, 0.2, 0.4, 0.8, 1.6),
+           least=SLOWEST),
      Shape('exponent', '-', 1.0, (1.0,), 25.0)), positive=(0,))

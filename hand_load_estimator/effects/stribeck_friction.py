@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..stribeck_curve import left
-from .effect import Effect, Shape, side_by_side
+from .effect import Effect, Shape, side_by_side, SLOWEST
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
 
 # How the peak falls, and how temperature moves it: only a large peak tells more than the plainest.
@@ -20,6 +20,7 @@ def _columns(x, j, shape):
 STRIBECK_FRICTION = Effect(
     'stribeck_friction', 'falls from breakaway to Coulomb as lubrication builds up',
     'Bittencourt and Axelsson 2014', (('level', 'Nm'), ('slope', 'Nm/K')), (0.05, 1e-3), _columns,
-    (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5)), EXPONENT,
+    (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5),
+           least=SLOWEST), EXPONENT,
      VELOCITY_RANGE, OWN_TRAVEL, POWER),
     default=True, positive=(0,))

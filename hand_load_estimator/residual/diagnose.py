@@ -23,6 +23,7 @@ from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names, made_from
 from .limits import refuse_the_useless, still_joints, too_little_gained, warmed_joints
 from .load_change import load_change
+from .mostly_structure import mostly_structure
 from .not_named import sentences_on
 from .odd_recording import odd_recordings
 from .rest import rest_of
@@ -31,6 +32,7 @@ from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
 from .time_left import long_loads, many_rejected, refuse_too_short
 from .trace import Trace
+from .unfounded import of_another_kind
 from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
@@ -88,6 +90,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *repeated(residual.cut, evidence, test),
               *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
+    findings += mostly_structure(model.robot.joints, residual, rest, findings, structure,
+                                 trace.trials)
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
@@ -114,10 +118,11 @@ def _found(models, residual, traced, outside, errors):
         + disturbance_findings(model.robot, *outside, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
+    findings, kinds = of_another_kind(findings)
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + doubts
+    return findings, wrong + kinds + doubts
 
 
 def _residual(model, evidence):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput
+from ..effects.effect import SLOWEST
 from ..evidence import recording_numbers
 from ..filtered_noise import noise_floor, white_density
 from ..motion import smeared
@@ -160,7 +161,7 @@ def _of_recording(model, evidence, compared):
     stuck = stuck_density(x.z, doubt, x.v, x.a, level)
     density = sliding + as_reported(model.uses, stuck, motion.dt)
     tells = evidence.tells
-    known = (doubt < 0.1) & (np.abs(x.v) > 0.01) & tells
+    known = (doubt < 0.1) & (np.abs(x.v) > SLOWEST) & tells
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
     weights = np.where(smeared(x.v, x.a) | ~tells, 0.0, motion.dt[:, None] / density)
     moving = known & (np.abs(x.z) > 0.9)

@@ -9,7 +9,7 @@ from itertools import product
 
 from ..effects import EFFECTS
 from .blocks import Blocks
-from .candidate import single
+from .candidate import hypotheses_of, in_common, joined, single
 from .hypotheses import FORMS, of_shapes, other_forms, other_ways, reshaped
 from .hypothesis import physical, price, searched, turns
 from .shape_fit import settled
@@ -18,6 +18,8 @@ from .shape_fit import settled
 PLENTY = 200.0
 # So many parameters at most are tried in all combinations of steps; more only settle together.
 COMBINED = 4
+# [nats] that are no reason to prefer one shape to another.
+SAME = 2.0
 
 
 def rank(hypothesis, score, more=0.0):
@@ -46,7 +48,21 @@ def search_around(best, blocks, model, residual):
         best = max([best, *tried], key=lambda pair: rank(*pair))
         count += len(tried)
     best, more = settled(*best, blocks, model, residual, rank)
+    if best[0].name == 'time_delay':
+        return _whole(best, blocks, model, residual), count + more + 1
     return best, count + more
+
+
+def _whole(best, blocks, model, residual):
+    """Return the pair with the shift at which a delay's share is a whole, if it costs nothing."""
+    hypothesis, score = best
+    # Of a short delay only its product with the share shows.
+    share = float(score.theta[0] * hypothesis.scale[0])
+    if share <= 0.0:
+        return best
+    (whole,) = reshaped(hypothesis, [(share,)], model, residual)
+    pair = whole, blocks.evaluate(whole.columns)
+    return pair if pair[1].gain > score.gain - SAME else best
 
 
 def finer(candidate, blocks, model, residual, warmed):
@@ -72,6 +88,34 @@ def finer(candidate, blocks, model, residual, warmed):
         best, _ = search_around(best, own, model, r)
     best = _without_what_does_not_pay(best, plain, own, model, r)
     return single(best[0], blocks.evaluate(best[0].columns))
+
+
+def searched_again(candidate, blocks, model, residual, warmed):
+    """
+    Return a chosen Candidate with its shapes searched again, beside what has been found since.
+
+    blocks, warmed: as of finer. A shape that was found while another effect was still in the
+    residual has taken some of it.
+    """
+    if not any(searched(h) for h, _ in candidate.parts):
+        return candidate
+    pairs = [search_around((h, blocks.evaluate(h.columns)), blocks, model, residual)[0]
+             for h in hypotheses_of(candidate)]
+    if candidate.common:
+        return in_common(*pairs[0])
+    if len(pairs) > 1:
+        return joined(candidate.name, tuple(pairs))
+    plain = _plain(candidate.parts[0][0], model, residual)
+    start, _ = search_around((plain, blocks.evaluate(plain.columns)), blocks, model, residual)
+    anew = finer(single(*start), blocks, model, residual, warmed)
+    return max((single(*pairs[0]), anew), key=lambda c: rank(*c.parts[0], -price(
+        c.parts[0][0], plain)))
+
+
+def _plain(hypothesis, model, residual):
+    """Return the Hypothesis with every shape that has a price at its default."""
+    there = {s.name: s.default for s in EFFECTS[hypothesis.name].shapes if s.gain}
+    return of_shapes(hypothesis, [hypothesis.shape | there], model, residual)[0]
 
 
 def _without_what_does_not_pay(best, plain, blocks, model, residual):

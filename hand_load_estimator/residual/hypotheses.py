@@ -19,7 +19,7 @@ from .ripple import likely_periods
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
 # And its curve reach the level sooner than Dahl's, which never does (presliding.turned).
-PRESLIDING_POWERS, LEAST_POWER = (np.inf, 2.0), 1.0
+PRESLIDING_POWERS = (np.inf, 2.0)
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 # Large ones tell more of their curves than the plainest: how a Stribeck peak falls (measured:
@@ -170,9 +170,10 @@ def reshaped(hypothesis, factors, model, residual):
     factors: for each of them a tuple of as many as `searched` returns.
     """
     there = searched(hypothesis).items()
-    shapes = [{**hypothesis.shape, **{
-        name: max(value * factor, LEAST_POWER) if name == 'power' else value * factor
-        for (name, value), factor in zip(there, those)}} for those in factors]
+    bounded = EFFECTS[hypothesis.name].bounded
+    shapes = [bounded({**hypothesis.shape, **{
+        name: value * factor for (name, value), factor in zip(there, those)}})
+        for those in factors]
     return of_shapes(hypothesis, shapes, model, residual)
 
 
@@ -227,6 +228,14 @@ def _of_link(residual, j, std):
     scale = LINK_FACTOR * std[where]
     return Hypothesis('link_inertia', j, {i: residual.columns[:, i, where] * scale
                                           for i in range(j + 1)}, scale)
+
+
+def all_links(model, residual):
+    """Return the Hypothesis that the data of all links are off, each as much as its own."""
+    n = model.robot.n
+    scale = LINK_FACTOR * np.sqrt(np.diag(prior(model.robot, (), True)[1]))[:10 * n]
+    return Hypothesis('link_inertia', None, {j: residual.columns[:, j, :10 * n] * scale
+                                             for j in range(n)}, scale)
 
 
 def _tilt(model, residual):

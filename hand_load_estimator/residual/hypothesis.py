@@ -48,6 +48,11 @@ def turns(hypothesis):
         hypothesis.name in EFFECTS and OWN_TRAVEL in EFFECTS[hypothesis.name].shapes)
 
 
+def whole(share, std):
+    """Tell whether the share of a delay, with its standard deviation, may be a whole."""
+    return bool(abs(share - 1.0) < np.clip(3.0 * std, WHOLE, DOUBTFUL))
+
+
 def price(hypothesis, other):
     """Return the nats that a Hypothesis must gain beyond another of its key, of plainer shape."""
     return sum(shape.gain for shape in EFFECTS[hypothesis.name].shapes
@@ -77,5 +82,5 @@ def physical(hypothesis, score, declared):
     positive = all(theta[k] > SURE * std[k] for k in EFFECTS[hypothesis.name].positive)
     if hypothesis.name == 'time_delay':
         share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
-        return abs(share - 1.0) < np.clip(3.0 * doubt, WHOLE, DOUBTFUL)
+        return whole(share, doubt)
     return positive

@@ -11,10 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from .candidate import alike, evaluated, in_common, joined, significant, single, Step, tied
+from .candidate import evaluated, in_common, joined, significant, single
+from .choice import chosen_step
 from .diagnosis import UNKNOWN
-from .finer_shape import finer, rank, search_around
-from .hypotheses import hypotheses, ONE_CAUSE, turned
+from .finer_shape import finer, rank, search_around, searched_again
+from .hypotheses import all_links, hypotheses, ONE_CAUSE, turned
 from .hypothesis import physical, price
 
 ROUNDS = 10
@@ -70,7 +71,24 @@ class Trace:
             found = self.drifted if self._expected(step.chosen) else self.steps
             found.append(step)
             self._take(step.chosen)
+            self._settle_beside(step)
         return self.steps
+
+    def _settle_beside(self, new):
+        """Search shapes again, of what was found at the same joints before, then of the new."""
+        joints = set(new.chosen.touched)
+        earlier = [step for step in self.steps if step is not new and step.chosen.name != UNKNOWN
+                   and joints & set(step.chosen.touched)]
+        if new.chosen.name == UNKNOWN or not earlier:
+            return
+        for step in (*earlier, new):
+            again = searched_again(step.chosen, self.beside(step), self._model, self._residual,
+                                   self._warmed)
+            for found in (self.steps, self.drifted):
+                found[:] = [replace(s, chosen=again) if s is step else s for s in found]
+            joints |= set(again.touched)
+        self.blocks = self._blocks_of(self.steps + self.drifted)
+        self._forget(joints)
 
     def keep_what_still_gains(self):
         """Backward check: drop steps, and joints of them, that gain no more beside the others."""
@@ -165,15 +183,16 @@ class Trace:
         return None
 
     def _step(self, best, ranked, needed):
-        rivals = [c for c in ranked if c is not best and set(c.touched) & set(best.touched)
-                  and c.name != UNKNOWN and (c.name != best.name or c.joints != best.joints)]
-        # Of equals, the one that needs the fewest parameters; a pair that nothing tells apart.
-        equal = [c for c in rivals if tied(best, c) and best.name != UNKNOWN]
-        simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
-        others = [best, *(c for c in rivals if alike(best, c))]
-        return Step(simplest, tuple(c for c in others if c.name not in (simplest.name, UNKNOWN)),
-                    next((c for c in [best, *rivals] if c is not simplest and c.gain > 0.0
-                          and (c.name != simplest.name or c.name not in ONE_CAUSE)), None), needed)
+        if best.name == 'base_tilt':
+            # It moves all joints: what might do the same is all links, not one of them.
+            links = all_links(self._model, self._residual)
+            ranked = [*ranked, in_common(links, self.blocks.evaluate(links.columns))]
+        return chosen_step(best, ranked, needed, self._singles())
+
+    def _singles(self):
+        """Return the Candidates of one named effect that is not taken yet, likely or not."""
+        return [single(*pair) for key, pair in self._scores.items() if key not in self._taken
+                and pair[0].joint is not None and pair[0].name != UNKNOWN]
 
     def _candidates(self):
         """Return the named candidates that are adequate, and the unknowns nothing explains."""
@@ -251,7 +270,10 @@ class Trace:
     def _take(self, chosen):
         for hypothesis, _ in chosen.parts:
             self.blocks.add(hypothesis.columns)
-        touched = set(chosen.touched)
         self._taken |= {h.key for h, _ in chosen.parts}
+        self._forget(set(chosen.touched))
+
+    def _forget(self, joints):
+        """Drop what was evaluated beside other things at some joints than are there now."""
         self._scores = {key: pair for key, pair in self._scores.items()
-                        if not touched & set(pair[0].columns)}
+                        if not joints & set(pair[0].columns)}

@@ -1,0 +1,55 @@
+"""Where most of what is left is structure without a name, it is an `unknown` effect."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from residual_helpers import declared_model
+import pytest
+
+from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding, Structure,
+                                                    SUSPECTED, UNKNOWN)
+from hand_load_estimator.residual.mostly_structure import mostly_structure
+
+JOINTS = declared_model().robot.joints
+ROWS, DT = 3000, 0.02
+
+
+def left(structure):
+    """Return (Residual as far as it is read, rest (N, 4)): noise of 1 Nm and so much structure."""
+    rng, time = np.random.default_rng(3), DT * np.arange(ROWS)
+    rest = rng.normal(size=(ROWS, 4)) + np.array(structure) * np.sin(2.0 * time)[:, None]
+    return SimpleNamespace(
+        moving=np.ones((ROWS, 4), bool), weights=np.ones((ROWS, 4)), dt=np.full(ROWS, DT),
+        messages=np.ones(ROWS), owner=np.zeros(ROWS, int), observations=12), rest
+
+
+def following(position):
+    """Return a Structure of which position foretells so much at each joint (4,)."""
+    return Structure(np.ones(4), 0.1 * np.ones(4), {'position': np.array(position)},
+                     {'position': np.full(4, 0.01)}, np.zeros((4, 4)), np.ones((4, 4)))
+
+
+def finding(name, joint, recording=''):
+    return Finding(name, (JOINTS[joint],), {}, np.eye(4)[joint],
+                   Evidence(100.0, 10.0, 30.0, 12, 900, 1.0), (), '', False, CONFIRMED,
+                   recording=recording)
+
+
+def unknowns(structure, named=()):
+    residual, rest = left(structure)
+    both = following([0.5] * 4), following([0.0, 0.6, 0.0, 0.6])
+    return mostly_structure(JOINTS, residual, rest, named, both, 900)
+
+
+def test_what_is_mostly_structure_is_unknown_with_what_it_follows():
+    found = unknowns([4.0, 4.0, 0.5, 0.0], (finding('torque_ripple', 0),))
+    assert [(f.name, f.joints, f.variables, f.verdict) for f in found] == [
+        (UNKNOWN, JOINTS[:1], ('time',), SUSPECTED),
+        (UNKNOWN, JOINTS[1:2], ('position',), SUSPECTED)]
+    assert found[0].evidence.rms == pytest.approx(3.0, rel=0.05)
+    assert 'depends on position' in found[1].advice
+
+
+@pytest.mark.parametrize('named', [finding(UNKNOWN, 0), finding('load_change', 0, 'run 1')])
+def test_what_has_been_told_is_not_told_twice(named):
+    assert unknowns([4.0, 0.0, 0.0, 0.0], (named,)) == ()

@@ -1,0 +1,51 @@
+"""What the model written holds with figures of no such effect is only suspected, with a reason."""
+
+import numpy as np
+import pytest
+from residual_helpers import declared_model
+
+from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.effects.effect import SLOWEST
+from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
+from hand_load_estimator.residual.unfounded import of_another_kind
+
+JOINTS = declared_model().robot.joints
+EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
+
+
+def finding(name, parameters, joints=JOINTS[1:2], **keywords):
+    return Finding(name, tuple(joints), parameters, np.eye(4)[1], EVIDENCE, (), '', False,
+                   CONFIRMED, **keywords)
+
+
+@pytest.mark.parametrize('share, std, whole', [
+    (1.02, 0.01, True), (0.7, 0.02, True), (0.33, 0.05, False), (0.33, 0.4, False),
+    (0.55, 0.2, True), (1.6, 0.1, False)])
+def test_a_share_of_a_delay_is_no_delay(share, std, whole):
+    given = finding('time_delay', {'share': (share, std, '-'), 'delay': (0.01, 1e-3, 's')})
+    (found,), told = of_another_kind((given,))
+    assert found.verdict == (CONFIRMED if whole else SUSPECTED)
+    assert [text.split(':')[0] for text in told] == [JOINTS[1]] * (not whole)
+
+
+def test_a_share_counts_at_every_joint():
+    given = finding('time_delay', {f'share ({JOINTS[0]})': (1.0, 0.01, '-'),
+                                   f'share ({JOINTS[1]})': (0.2, 0.01, '-')}, JOINTS[:2])
+    (found,), (told,) = of_another_kind((given,))
+    assert found.verdict == SUSPECTED
+    assert told == (f'{JOINTS[0]}, {JOINTS[1]}: time_delay is only suspected: all of the torque '
+                    'would come late, but the model written delays 0.2 ± 0.02 of it (two '
+                    'standard deviations)')
+
+
+@pytest.mark.parametrize('name, shape', [('stribeck_friction', 'stribeck_velocity'),
+                                         ('shear_thinning_friction', 'thinning_velocity')])
+def test_a_peak_below_all_motion_is_known_by_its_tail_only(name, shape):
+    seen, below = (finding(name, {'level': (6.0, 0.1, 'Nm'), shape: (velocity, 1e-3, 'rad/s')})
+                   for velocity in (1.2 * SLOWEST, SLOWEST))
+    found, (told,) = of_another_kind((seen, below))
+    assert [f.verdict for f in found] == [CONFIRMED, SUSPECTED]
+    assert told.startswith(f'{JOINTS[1]}: {name} is only suspected: its {shape} is at or below')
+    # No search goes further.
+    narrow = EFFECTS[name].bounded({shape: 0.1 * SLOWEST, 'exponent': 1.0})
+    assert narrow == {shape: SLOWEST, 'exponent': 1.0}
