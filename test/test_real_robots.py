@@ -187,7 +187,8 @@ def test_what_is_named_with_the_parts_exchanged_stands_beside_it():
 
 
 def test_a_joint_without_effects_says_none():
-    assert told({'arm': report_of([])}).splitlines()[2].endswith('| none | none | 34 % structure |')
+    lines = told({'arm': report_of([])}).splitlines()
+    assert lines[2].endswith('| none | none | 34 % structure |')
     quiet = {**report_of([]), 'unexplained': [0.01, 0.0], 'unexplained_most': [0.02, 0.0]}
     assert told({'arm': quiet}).splitlines()[2].endswith('| none | none | noise |')
 
