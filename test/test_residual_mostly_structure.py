@@ -38,7 +38,7 @@ def finding(name, joint, recording=''):
 def unknowns(structure, named=()):
     residual, rest = left(structure)
     both = following([0.5] * 4), following([0.0, 0.6, 0.0, 0.6])
-    return mostly_structure(JOINTS, residual, rest, named, both, 900)
+    return mostly_structure(declared_model().robot, residual, rest, named, both, 900)
 
 
 def test_what_is_mostly_structure_is_unknown_with_what_it_follows():
@@ -48,6 +48,7 @@ def test_what_is_mostly_structure_is_unknown_with_what_it_follows():
         (UNKNOWN, JOINTS[1:2], ('position',), SUSPECTED)]
     assert found[0].evidence.rms == pytest.approx(3.0, rel=0.05)
     assert 'depends on position' in found[1].advice
+    assert [f.pictures[0].joint for f in found] == list(JOINTS[:2])
 
 
 @pytest.mark.parametrize('named', [finding(UNKNOWN, 0), finding('load_change', 0, 'run 1')])

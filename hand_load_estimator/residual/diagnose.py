@@ -90,7 +90,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *repeated(residual.cut, evidence, test),
               *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
-    findings += mostly_structure(model.robot.joints, residual, rest, findings, structure,
+    findings += mostly_structure(model.robot, residual, rest, findings, structure,
                                  trace.trials)
     correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))

@@ -82,10 +82,10 @@ def _finding(model, residual, rest, joints, variable, evidence):
     return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
                    replace(evidence, rms=rms), (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   SUSPECTED, (_picture(model, residual, rest, joints[0]),), (variable,))
+                   SUSPECTED, (strongest(model.robot, residual, rest, joints[0]),), (variable,))
 
 
-def _picture(model, residual, rest, j):
+def strongest(robot, residual, rest, j):
     """Return a Picture of the strongest ten seconds of what is left of joint j."""
     time = np.cumsum(residual.dt)
     width = max(8, int(10.0 / np.median(residual.dt)))
@@ -93,5 +93,5 @@ def _picture(model, residual, rest, j):
     first = int(np.argmax(energy)) if len(energy) else 0
     rows = slice(first, first + width)
     zero = np.zeros(len(rest[rows]))
-    return Picture(model.robot.joints[j], 'time [s]', time[rows] - time[rows][0], rest[rows, j],
+    return Picture(robot.joints[j], 'time [s]', time[rows] - time[rows][0], rest[rows, j],
                    zero, zero, zero, zero)
