@@ -182,7 +182,7 @@ def retraining_blocks(content):
         blocks += [
             Heading(f'{case["effect"]} on {", ".join(case["joints"])}, plant {case["plant"]}, '
                     f'{case["runs"]} loads'),
-            Text(f'The diagnosis changed: {case["found"]}.'),
+            Text(f'The diagnosis found: {case["found"]}.'),
             Table(['artefact', 'training [min]',
                    *(f'mass RMSE, {m} [g]' for m in _RETRAINING_MOMENTS),
                    f'centre of mass, {MOMENTS[-1]} [mm]', 'half-width at 1 s [g]',
