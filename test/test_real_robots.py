@@ -252,7 +252,7 @@ def test_a_set_that_fails_does_not_stop_the_others(tmp_path, monkeypatch, capsys
     assert command.main(DATA, tmp_path, 'ur10', 'lwr4') == 1
     text = (tmp_path / 'table.md').read_text()
     assert '| ur10 | all | - | - | failed: hand_load diagnose: no reason | - | - |' in text
-    assert '| lwr4 | lift |' in text
+    assert '| lwr4 | lift |' in text and 'Command: `scripts/real_diagnose`, commit ' in text
     said = capsys.readouterr().out
     assert said.startswith('1 of 2: ur10 ') and '2 of 2: lwr4, parts exchanged ' in said
     first, again = (a for a in asked if a[0] == 'diagnose' and 'lwr4' in str(a[-1]))

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+from hand_load_estimator.benchmark.provenance import commit_now
 from hand_load_estimator.benchmark.real import LOADED
 from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
 from hand_load_estimator.benchmark.real_sets import linked, SETS, stage
@@ -107,6 +108,7 @@ def main(data, out, *names):
     loads = {name: loads_of(name, data, out) for name, result in results.items()
              if name in LOADED and not isinstance(result, str)}
     text = table(results, again, loads, {name: SETS[name].assumed for name in results})
+    text += f'\nCommand: `scripts/real_diagnose`, commit {commit_now()}.\n'
     (out / 'table.md').write_text(text, encoding='utf-8')
     print(text)
     return int(any(isinstance(result, str) for result in results.values()))
