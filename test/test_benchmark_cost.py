@@ -63,7 +63,8 @@ def test_e2_6_every_function_of_the_difference_can_be_chosen_and_is_learned():
     assert functions_of(('bayes', 'lstm')) == ()
     assert functions_of(('gp_bayes', 'gp_swarm')) == ('gp',)
     assert functions_of(('gp_bayes_distilled',)) == ('distilled',)
-    assert functions_of() == tuple(sorted(PREDICTORS))
+    assert functions_of(('gp_bayes_known_load',)) == ('known_load',)
+    assert functions_of() == tuple(sorted((*PREDICTORS, 'known_load')))
     with pytest.raises(ConfigurationError, match='--methods.*gp_bayes_neural_process'):
         chosen_methods(('gp_bayes_magic',))
 
@@ -73,7 +74,7 @@ def test_every_method_has_a_cost_job():
     assert set(cost.cost_jobs('ur10e', None, None)) \
         == {f'cost_{name}' for name in chosen_methods()} \
         - {'cost_gp_bayes_neural_process', 'cost_gp_bayes_distilled',
-           'cost_gp_bayes_bayesian_network'}
+           'cost_gp_bayes_bayesian_network', 'cost_gp_bayes_known_load'}
 
 
 def test_resident_memory_is_seen():

@@ -96,11 +96,11 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert all(value > 0.0 for value in found['seconds_per_sample'].values())
     assert set(found['cost']) == {*found['methods'], REGRESSOR}
     assert all(0.0 < c['p50'] <= c['p99'] for c in found['cost'].values())
-    # E2.6: each function answers for itself.
+    # E2.5, E2.6: each function answers for itself.
     on_functions = [tuple(found['methods'][name][-1][0]) for name in (
         'gp_bayes', 'gp_bayes_neural_process', 'gp_bayes_distilled',
-        'gp_bayes_bayesian_network')]
-    assert len(set(on_functions)) == 4
+        'gp_bayes_bayesian_network', 'gp_bayes_known_load')]
+    assert len(set(on_functions)) == 5
     # No artefact belongs to this arm: what would fall back on bayes is not shown beside it.
     assert 'lstm' not in found['methods']
 

@@ -5,7 +5,7 @@ import pytest
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases
-from hand_load_estimator.benchmark.contestants import our_contestants
+from hand_load_estimator.benchmark.contestants import our_contestants, SUBSET
 from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefact,
                                                   shipped_difference)
 from hand_load_estimator.estimators.load_prior import load_prior
@@ -53,6 +53,17 @@ def test_the_shipped_model_has_a_learned_difference_of_its_own():
         assert build_pipeline('ur10e', name).method.name == name
 
 
+def test_e1_5_a_network_of_some_joints_and_parameters_is_shipped_and_never_chosen_for_the_whole():
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    folder = shipped_artefact(robot, 'gru')
+    assert folder.name == 'ur10e_gru'
+    subset = read_direct_artefact(folder.with_name('ur10e_gru_subset'), robot, 'gru').card
+    design = subset['recipe']['design']
+    assert design['joints'] == ['shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint']
+    assert design['parameters'] == ['m', 'x', 'y', 'z']
+    assert set(subset['held_out']['coverage_of_95']) == set(design['parameters'])
+
+
 @pytest.mark.parametrize('network', NETWORKS)
 def test_every_direct_network_is_shipped_small_and_calibrated(network):
     """E1.3, E1.4, E1.6, E6.1, E6.2: selectable without training anything."""
@@ -81,10 +92,10 @@ def light_and_heavy():
     return out
 
 
-@pytest.mark.parametrize('network', NETWORKS)
+@pytest.mark.parametrize('network', (*NETWORKS, SUBSET))
 def test_every_shipped_direct_network_weighs_what_is_held(network, light_and_heavy):
     """
-    E1.3, E1.4, E1.6, E6.1, E6.2: one load lighter, one heavier than what is expected before.
+    E1.3 to E1.6, E6.1, E6.2: one load lighter, one heavier than what is expected before.
 
     An answer that does not depend on the load is far off for one of them.
     """

@@ -94,15 +94,15 @@ def simulated(robot, motion, **arguments):
     return list(stream_samples(robot, motion_events(robot, motion, **arguments)))
 
 
-def identification_evidence(robot, plant):
-    """Return the Evidence of a plant's no-load recordings."""
+def identification_evidence(robot, plant, load=LoadParameters()):
+    """Return the Evidence of a plant's recordings with a known load, none by default."""
     out = []
     for k, (name, temperature, seconds) in enumerate(IDENTIFICATION):
         motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
         samples = simulated(robot, motion, seed=plant, run=k + 1,
-                            start_temperature=temperature)
+                            start_temperature=temperature, load=load)
         label = f'plant {plant}, {name} at {temperature:g} degC'
-        out.append(prepare(robot, label, Motion.of(samples), LoadParameters()))
+        out.append(prepare(robot, label, Motion.of(samples), load))
     return out
 
 

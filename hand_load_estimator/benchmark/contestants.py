@@ -12,6 +12,7 @@ from ..estimators.physical_consistency import published
 from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
 from ..learning.difference_artefact import PREDICTORS
 from ..model_follower import ModelFollower
+from ..shared_files import share_folder
 from .rivals import FixedLoad, LeastSquares
 
 # The default without what it learned: the recursive Bayesian update alone.
@@ -23,8 +24,13 @@ TEXTBOOK_CAREFUL = 'the same, standing joints left out'
 OUR_MODEL = 'least squares, our model, standing joints left out'
 NOMINAL = 'recursive least squares, nominal model'
 FIXED = 'fixed rated load'
-# gp_bayes on the other functions of the torque difference (E2.6): {contestant: function}.
-ON_FUNCTION = {f'gp_bayes_{name}': name for name in PREDICTORS if name != 'gp'}
+# The torque difference learned while a known load is held (E2.5).
+KNOWN_LOAD = 'known_load'
+# gp_bayes on that, and on the other functions of the difference (E2.6): {contestant: function}.
+ON_FUNCTION = {f'gp_bayes_{name}': name for name in (*PREDICTORS, KNOWN_LOAD) if name != 'gp'}
+# A network that reads some joints and answers some parameters (E1.5).
+SUBSET, SUBSET_OF = 'gru_subset', 'gru'
+_SUBSET_FOLDER = 'config/learned/{}_gru_subset'
 # The function that a method needs learned for its torque model.
 FUNCTION = {**dict.fromkeys(sorted(ON_DIFFERENCE), 'gp'), **ON_FUNCTION}
 # The whole arm's regressor: the load's columns alone are no call of pinocchio's.
@@ -33,7 +39,7 @@ REGRESSOR = 'one pinocchio joint torque regressor call (whole arm)'
 
 def chosen_methods(names=None):
     """Return the names of methods to measure, all by default; raises ConfigurationError."""
-    known = (*METHODS, *ON_FUNCTION)
+    known = (*METHODS, SUBSET, *ON_FUNCTION)
     unknown = [name for name in names or () if name not in known]
     if unknown:
         raise ConfigurationError('--methods', 'are not all known', ','.join(unknown),
@@ -93,10 +99,15 @@ def our_contestants(model, names, learned, difference=None):
             continue
         own = difference[function] if function else learned if name == DEFAULT else None
         method = 'gp_bayes' if name in ON_FUNCTION else name
+        if name == SUBSET:
+            method, own = SUBSET_OF, share_folder() / _SUBSET_FOLDER.format(model.robot.name)
+            if not own.is_dir():
+                continue
         contestant = Contestant(
             model, lambda f, n=method, o=own: build_method(model, f.uncertainties, n, o))
         ran = contestant.method.name
-        out.setdefault(ran if ran in METHODS and not function else name, contestant)
+        out.setdefault(ran if ran in METHODS and not function and name != SUBSET else name,
+                       contestant)
     return out
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from ..estimators.build import determined_std
 from ..identification import identify, nominal_model
 from ..learning.learn_difference import learn_difference
+from ..load import LoadParameters
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
 from .cases import identification_evidence
-from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, REGRESSOR,
-                          RegressorClock)
+from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, KNOWN_LOAD,
+                          REGRESSOR, RegressorClock)
 from .friction_start import case_run_and_start
 from .offline import offline_beliefs
 from .oracle import added_torque, oracle_of
@@ -33,7 +34,8 @@ def plant_models(robot, plant, functions=(), folder=None):
     Return the models of one plant: ours, the textbook one, the nominal one.
 
     functions: names of PREDICTORS that learn, each into a folder of its own below `folder`, what
-    ours leaves without load; {function: folder} is the entry `difference`.
+    ours leaves without load, and KNOWN_LOAD for what it leaves with half of the rated load;
+    {function: folder} is the entry `difference`.
     """
     evidence = identification_evidence(robot, plant)
     noise = Plant(robot, seed=plant).noise
@@ -41,10 +43,17 @@ def plant_models(robot, plant, functions=(), folder=None):
               'textbook': identify(robot, evidence, COULOMB_VISCOUS),
               'nominal': nominal_model(robot, noise ** 2 / RATE)}
     for function in functions:
-        learn_difference(Path(folder) / function, models['ours'], evidence, function)
+        held = evidence if function != KNOWN_LOAD else identification_evidence(
+            robot, plant, _half(robot.rated_load))
+        learn_difference(Path(folder) / function, models['ours'], held,
+                         'gp' if function == KNOWN_LOAD else function)
     if functions:
         models['difference'] = {name: Path(folder) / name for name in functions}
     return models
+
+
+def _half(load):
+    return LoadParameters(0.5 * load.mass, load.com, 0.5 * load.inertia)
 
 
 # Suites share plants: one process often meets the same plant again.

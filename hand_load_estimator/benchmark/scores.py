@@ -4,7 +4,8 @@ import numpy as np
 
 from ..estimators.registry import METHODS
 from ..load import MESSAGE_ORDER
-from .contestants import BLIND, DEFAULT, FIXED, ON_FUNCTION, OUR_MODEL, WITHOUT_NETWORK
+from .contestants import (BLIND, DEFAULT, FIXED, ON_FUNCTION, OUR_MODEL, SUBSET,
+                          WITHOUT_NETWORK)
 from .measure import MOMENTS
 from .offline import OFFLINE_TIMES
 
@@ -86,7 +87,8 @@ def score(results, rated_mass):
 def rivals_of(scores):
     """Return the names of the baselines that estimate: not ours, not the fixed load."""
     return [name for name in scores
-            if name not in METHODS and name not in (BLIND, FIXED, OUR_MODEL, *ON_FUNCTION)]
+            if name not in METHODS
+            and name not in (BLIND, FIXED, OUR_MODEL, SUBSET, *ON_FUNCTION)]
 
 
 def network_shares(scores):

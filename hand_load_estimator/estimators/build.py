@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import ConfigurationError
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
+from ..load import MESSAGE_ORDER
 from ..model_file import model_digest, read_model
 from ..model_follower import ModelFollower
 from ..model_of_robot import model_of_robot
@@ -31,9 +32,16 @@ def determined_std(robot):
 def shipped_artefact(robot, network=NETWORK):
     """Return the folder of the network shipped for an arm and its effort kind, or None."""
     for card, content in _shipped_cards(CARD):
-        if network_of(content) == network and not not_of(content, robot):
+        if network_of(content) == network and not not_of(content, robot) and _whole(content):
             return card.parent
     return None
+
+
+def _whole(content):
+    """Tell whether a card's network reads all joints and answers all parameters (E1.5)."""
+    design = content['recipe'].get('design')
+    return design is None or (len(design['joints']) == len(content['joints'])
+                              and len(design['parameters']) == len(MESSAGE_ORDER))
 
 
 def shipped_difference(model):
