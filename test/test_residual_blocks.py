@@ -150,3 +150,15 @@ def test_what_is_there_is_found_within_its_deviation():
     np.testing.assert_allclose(std, 0.5 / np.sqrt(ROWS), rtol=0.15)
     assert (np.abs(score.theta - truth) < 3.5 * std).all()
     assert score.gain > 3.0 * score.std > 0.0
+
+
+def test_columns_beside_leave_the_blocks_as_they_are(data):
+    columns = data[3]
+    blocks, added = blocks_of(data), blocks_of(data)
+    before = blocks.evaluate({1: columns[0]}).gain
+    beside = blocks.beside(columns)
+    added.add(columns)
+    asked = {0: columns[0][:, :1] ** 2, 1: columns[0][:, :1]}
+    assert beside.evaluate(asked).gain == added.evaluate(asked).gain \
+        != blocks.evaluate(asked).gain
+    assert blocks.evaluate({1: columns[0]}).gain == before

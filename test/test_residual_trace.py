@@ -241,6 +241,17 @@ def test_two_effects_of_one_joint_are_both_found():
     assert_repaired(diagnosis, 1)
 
 
+@pytest.mark.parametrize('effects', [
+    {'viscous_friction': viscous, 'coulomb_friction': constant_friction},
+    {'stribeck_friction': peak, 'temperature_dependent_coulomb_friction': warming}])
+def test_two_effects_that_look_like_a_third_together_are_both_found(effects):
+    """A lubricant that thins or cools explains more than either of the two alone."""
+    diagnosis, _ = diagnosed(*(on(1, 6.0, effect) for effect in effects.values()))
+    assert told(diagnosis) == dict.fromkeys(effects, (declared_model().robot.joints[1],))
+    assert len(diagnosis.findings) == 2
+    assert_repaired(diagnosis, 1)
+
+
 def test_what_has_no_name_is_unknown_with_its_variable():
     """Friction with a narrow peak in speed must not become Stribeck, ripple or a contact."""
     diagnosis, better = diagnosed(on(2, 4.0, resonance))

@@ -1,13 +1,19 @@
 """What the model written holds with figures of no such effect is only suspected, with a reason."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from residual_helpers import declared_model
+from residual_helpers import declared_model, on, recorded, viscous
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.effects.effect import SLOWEST
+from hand_load_estimator.effects.presliding_hysteresis import LONGEST
+from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
-from hand_load_estimator.residual.unfounded import of_another_kind
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.trace import Trace
+from hand_load_estimator.residual.unfounded import faint_in, of_another_kind
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
@@ -49,3 +55,45 @@ def test_a_peak_below_all_motion_is_known_by_its_tail_only(name, shape):
     # No search goes further.
     narrow = EFFECTS[name].bounded({shape: 0.1 * SLOWEST, 'exponent': 1.0})
     assert narrow == {shape: SLOWEST, 'exponent': 1.0}
+
+
+@pytest.mark.parametrize('name, shape, most', [
+    ('stribeck_friction', 'stribeck_velocity', FASTEST_PEAK),
+    ('presliding_hysteresis', 'presliding_distance', LONGEST)])
+def test_what_reaches_the_end_of_its_range_may_be_another_effect(name, shape, most):
+    seen, at_end = (finding(name, {'level': (6.0, 0.1, 'Nm'), shape: (value, 0.1, 'rad')})
+                    for value in (0.8 * most, most))
+    found, (told,) = of_another_kind((seen, at_end))
+    assert [f.verdict for f in found] == [CONFIRMED, SUSPECTED]
+    assert told.startswith(f'{JOINTS[1]}: {name} is only suspected: its {shape} is at or above')
+    assert EFFECTS[name].bounded({shape: 2.0 * most}) == {shape: most}
+
+
+@pytest.mark.parametrize('share, faint', [(0.01, True), (1.0, False), (-1.0, False)])
+def test_what_is_nothing_beside_everything_else_is_only_suspected(traced, share, faint):
+    model, trace, change = traced
+    mean = model.mean.copy()
+    mean[place(model)] += share * change
+    found = faint_in(model, replace(model, mean=mean), trace)
+    assert found == ({('viscous_friction', JOINTS[1:2])} if faint else set())
+    given = finding('viscous_friction', {'coefficient': (1.0, 0.1, 'Nm s/rad')})
+    (said,), told = of_another_kind((given,), found)
+    assert said.verdict == (SUSPECTED if faint else CONFIRMED)
+    assert [text.partition(' is only')[0] for text in told] == [
+        f'{JOINTS[1]}: viscous_friction'] * faint
+
+
+def place(model):
+    return next(where for use, where in model.slices()
+                if (use.name, use.joint) == ('viscous_friction', 1))
+
+
+@pytest.fixture(scope='module')
+def traced():
+    """Return the model, a Trace that found viscous friction, and how much of it [Nm s/rad]."""
+    model = declared_model()
+    residual = find_residual(model, recorded(on(1, 4.0, viscous)))
+    trace = Trace(model, residual, ())
+    (step,) = trace.run()
+    (hypothesis, score), = step.chosen.parts
+    return model, trace, float(score.theta[0] * hypothesis.scale[0])

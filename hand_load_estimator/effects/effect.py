@@ -67,7 +67,7 @@ class Shape:
 
     An empty grid: it is found from the residual (the period of a ripple). gain [nats]: what
     another value must explain more than the default does, which is then no such shape, as
-    infinity is; least: no search goes below it.
+    infinity is; least, most: no search goes beyond them.
     """
 
     name: str
@@ -76,6 +76,7 @@ class Shape:
     grid: tuple
     gain: float = 0.0
     least: float = 0.0
+    most: float = np.inf
 
     def there(self, value):
         """Tell whether a value says anything: infinite, or not worth its price, it is plain."""
@@ -126,8 +127,8 @@ class Effect:
         return {s.name: shape[s.name] for s in self.shapes if s.there(shape[s.name])}
 
     def bounded(self, shape):
-        """Return the values {name: value} of a shape, none below what a search may reach."""
-        return shape | {s.name: max(shape[s.name], s.least) for s in self.shapes
+        """Return the values {name: value} of a shape, none beyond what a search may reach."""
+        return shape | {s.name: min(max(shape[s.name], s.least), s.most) for s in self.shapes
                         if s.name in shape}
 
     def default_shape(self):

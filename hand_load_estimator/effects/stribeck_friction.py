@@ -10,6 +10,9 @@ from .own_travel import of_own_travel, OWN_TRAVEL, POWER
 EXPONENT = Shape('exponent', '-', 1.0, (1.0,), 25.0)
 VELOCITY_RANGE = Shape('velocity_range', 'K', np.inf, (np.inf,), 25.0)
 
+# [rad/s] A peak that has not fallen at such speeds is none: it would be a level of friction.
+FASTEST_PEAK = 1.0
+
 
 def _columns(x, j, shape):
     peak = shape['stribeck_velocity'], shape[EXPONENT.name], shape[VELOCITY_RANGE.name]
@@ -21,6 +24,6 @@ STRIBECK_FRICTION = Effect(
     'stribeck_friction', 'falls from breakaway to Coulomb as lubrication builds up',
     'Bittencourt and Axelsson 2014', (('level', 'Nm'), ('slope', 'Nm/K')), (0.05, 1e-3), _columns,
     (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5),
-           least=SLOWEST), EXPONENT,
+           least=SLOWEST, most=FASTEST_PEAK), EXPONENT,
      VELOCITY_RANGE, OWN_TRAVEL, POWER),
     default=True, positive=(0,))

@@ -7,6 +7,7 @@ forms in them. The nuisances D delta (what the model's own uncertainty may do) a
 theta each time, with unit variance.
 """
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,6 +51,13 @@ class Blocks:
         for j, extra in columns.items():
             self.nuisances[j] = np.hstack([self.nuisances[j], extra])
             self._joints[j] = self._joint(j)
+
+    def beside(self, columns):
+        """Return Blocks with columns {joint: (N, k)} among the nuisances; these stay the same."""
+        other = copy(self)
+        other.nuisances, other._joints = list(self.nuisances), list(self._joints)
+        other.add(columns)
+        return other
 
     def left_over(self, j, beside=0.0):
         """

@@ -44,6 +44,15 @@ class Candidate:
         return sorted({j for h, _ in self.parts for j in h.columns})
 
     @property
+    def columns(self):
+        """Columns {joint: (N, k)} of all parts."""
+        own = {}
+        for hypothesis, _ in self.parts:
+            for j, columns in hypothesis.columns.items():
+                own[j] = np.hstack([own[j], columns]) if j in own else columns
+        return own
+
+    @property
     def size(self):
         """Number of parameters, those of its shapes included."""
         return sum(len(h.scale) + len(searched(h))

@@ -32,7 +32,7 @@ from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
 from .time_left import long_loads, many_rejected, refuse_too_short
 from .trace import Trace
-from .unfounded import of_another_kind
+from .unfounded import faint_in, of_another_kind
 from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
@@ -118,7 +118,7 @@ def _found(models, residual, traced, outside, errors):
         + disturbance_findings(model.robot, *outside, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
-    findings, kinds = of_another_kind(findings)
+    findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)

@@ -28,6 +28,18 @@ def rank(hypothesis, score, more=0.0):
     return hypothesis.name != 'time_delay' or physical(hypothesis, score, None), score.gain + more
 
 
+def best_of_each(hypotheses, blocks):
+    """Return {key: (Hypothesis, Score)} with the best shape of each cause, number of trials."""
+    found, tried = {}, 0
+    for hypothesis in hypotheses:
+        score = blocks.evaluate(hypothesis.columns)
+        tried += hypothesis.trials
+        known = found.get(hypothesis.key)
+        if known is None or rank(hypothesis, score) > rank(*known, price(hypothesis, known[0])):
+            found[hypothesis.key] = hypothesis, score
+    return found, tried
+
+
 def search_around(best, blocks, model, residual):
     """
     Search the shape of a (Hypothesis, Score) around what it is.

@@ -39,24 +39,28 @@ def hypotheses(model, residual, blocks, warmed, done=()):
 
     warmed: indices of joints whose temperature has changed enough to tell its effects.
     """
-    residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
-    n, links_prior = model.robot.n, np.sqrt(np.diag(prior(model.robot, (), True)[1]))
-    for j in range(n):
-        for name, effect in EFFECTS.items():
-            if effect.whole_arm or effect.learned or (name, j, '') in done \
-                    or not _seen(model, effect, j):
-                continue
-            if j in warmed or 'warmth' not in effect.needs:
-                yield from _of_effect(model, residual, blocks, effect, j)
-        if ('link_inertia', j, '') not in done:
-            yield _of_link(residual, j, links_prior)
-        if not any((UNKNOWN, j, variable) in done for variable in VARIABLES):
-            yield from functions(residual, model.robot.limits.torque, j)
+    for j in range(model.robot.n):
+        yield from of_joint(model, residual, blocks, warmed, j, done)
     for name in ONE_CAUSE:
         if (name, None, '') not in done:
             yield from _in_common(model, residual, EFFECTS[name], warmed)
     if ('base_tilt', 0, '') not in done:
         yield _tilt(model, residual)
+
+
+def of_joint(model, residual, blocks, warmed, j, done=()):
+    """Yield the Hypotheses of joint j alone; arguments as of hypotheses."""
+    residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
+    for name, effect in EFFECTS.items():
+        if effect.whole_arm or effect.learned or (name, j, '') in done \
+                or not _seen(model, effect, j):
+            continue
+        if j in warmed or 'warmth' not in effect.needs:
+            yield from _of_effect(model, residual, blocks, effect, j)
+    if ('link_inertia', j, '') not in done:
+        yield _of_link(residual, j, np.sqrt(np.diag(prior(model.robot, (), True)[1])))
+    if not any((UNKNOWN, j, variable) in done for variable in VARIABLES):
+        yield from functions(residual, model.robot.limits.torque, j)
 
 
 def _seen(model, effect, j):

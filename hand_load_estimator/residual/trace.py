@@ -14,9 +14,10 @@ import numpy as np
 from .candidate import evaluated, in_common, joined, significant, single
 from .choice import chosen_step
 from .diagnosis import UNKNOWN
-from .finer_shape import finer, rank, search_around, searched_again
+from .finer_shape import best_of_each, finer, search_around, searched_again
 from .hypotheses import all_links, hypotheses, ONE_CAUSE, turned
-from .hypothesis import physical, price
+from .hypothesis import physical
+from .together import Together
 
 ROUNDS = 10
 # Nats to be gained beyond the logarithm of the number of trials, and the effect's torque in units
@@ -63,15 +64,20 @@ class Trace:
         """Select effects until none is worth it; return the steps."""
         for turn in range(ROUNDS):
             self._progress(f'tracing, round {turn + 1}: {len(self._scores) or "all"} hypotheses')
-            step = self._round()
-            if step is None:
+            steps = list(self._round())
+            if not steps:
                 break
-            step = replace(step, chosen=finer(step.chosen, self.blocks, self._model,
-                                              self._residual, self._warmed))
-            found = self.drifted if self._expected(step.chosen) else self.steps
-            found.append(step)
-            self._take(step.chosen)
-            self._settle_beside(step)
+            for k, step in enumerate(steps):
+                blocks = self.blocks
+                for other in steps[:k] + steps[k + 1:]:
+                    blocks = blocks.beside(other.chosen.columns)
+                steps[k] = replace(step, chosen=finer(step.chosen, blocks, self._model,
+                                                      self._residual, self._warmed))
+            for step in steps:
+                found = self.drifted if self._expected(step.chosen) else self.steps
+                found.append(step)
+                self._take(step.chosen)
+            self._settle_beside(steps[-1])
         return self.steps
 
     def _settle_beside(self, new):
@@ -175,12 +181,26 @@ class Trace:
                        and significant(c) and self.matters(c)]
         for best in ranked:
             if best.gain < needed:
-                return None
+                return ()
             if not significant(best) or not self.matters(best) or (
                     best.name == UNKNOWN and best.gain < UNKNOWN_FACTOR * needed):
                 continue
-            return self._step(best, ranked, needed)
-        return None
+            step = self._step(best, ranked, needed)
+            return self._two_instead(step.chosen, needed) or (step,)
+        return ()
+
+    def _two_instead(self, chosen, needed):
+        """Return the Steps of two effects that explain a joint better than a Candidate, or ()."""
+        if len(chosen.joints) != 1 or chosen.common or chosen.name == 'base_tilt':
+            return ()
+        j, = chosen.joints
+        singles = [c for c in self._singles() if c.joints == [j] and c.name != 'base_tilt']
+        together = Together(self._model, self._residual, self._warmed, self.blocks, j,
+                            self._taken, singles, self._allowed)
+        return together.instead_of(chosen, needed, self.matters)
+
+    def _allowed(self, hypothesis, score):
+        return physical(hypothesis, score, self._declared.get((hypothesis.name, hypothesis.joint)))
 
     def _step(self, best, ranked, needed):
         if best.name == 'base_tilt':
@@ -200,7 +220,7 @@ class Trace:
         unknown = {j for name, j, _ in self._taken if name == UNKNOWN}
         scores = [pair for key, pair in self._scores.items()
                   if key not in self._taken and not unknown & set(pair[0].columns)
-                  and physical(*pair, self._declared.get((pair[0].name, pair[0].joint)))]
+                  and self._allowed(*pair)]
         singles = [single(*pair) for pair in scores if pair[0].joint is not None]
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
@@ -242,15 +262,8 @@ class Trace:
 
     def _evaluate(self):
         """Evaluate what is not up to date, the best shape of each cause."""
-        fresh, tried = {}, 0
-        for hypothesis in hypotheses(self._model, self._residual, self.blocks, self._warmed,
-                                     self._scores):
-            score = self.blocks.evaluate(hypothesis.columns)
-            tried += hypothesis.trials
-            known = fresh.get(hypothesis.key)
-            if known is None or rank(hypothesis, score) > rank(
-                    *known, price(hypothesis, known[0])):
-                fresh[hypothesis.key] = hypothesis, score
+        fresh, tried = best_of_each(hypotheses(self._model, self._residual, self.blocks,
+                                               self._warmed, self._scores), self.blocks)
         for key, pair in fresh.items():
             fresh[key], more = self._refined(*pair)
             tried += more

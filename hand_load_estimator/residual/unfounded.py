@@ -3,7 +3,9 @@ Effects that the model written holds with figures which are none of what they ar
 
 A hypothesis is asked what physics allows of it; estimated together with everything else its
 figures may become others. A share of a delay is no delay, and a peak of friction below the slowest
-motion that tells friction is known by its tail only.
+motion that tells friction is known by its tail only, one that has not fallen at the fastest is a
+level. What was found beside the torque of the model as it was, late or misread, may be nothing
+beside the torque as it is.
 """
 
 from dataclasses import replace
@@ -13,9 +15,13 @@ from .diagnosis import CONFIRMED, SUSPECTED
 from .hypothesis import whole
 
 
-def of_another_kind(findings):
-    """Return (Findings, sentences): suspected is what has figures of no such effect."""
-    said = [_why(finding) for finding in findings]
+def of_another_kind(findings, faint=()):
+    """
+    Return (Findings, sentences): suspected is what has figures of no such effect, or of none.
+
+    faint: (name, joints) of what the better model hardly holds (faint_in).
+    """
+    said = [_why(finding) or _nothing(finding, faint) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
             tuple(why for why in said if why))
 
@@ -35,5 +41,42 @@ def _why(finding):
                if s.unit == 'rad/s'):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or below '
                     f'{mean:.3g} {unit}, slower than any motion that tells friction')
+        if any(s.name == plain and mean >= s.most for s in EFFECTS[finding.name].shapes):
+            return (f'{joints}: {finding.name} is only suspected: its {plain} is at or above '
+                    f'{mean:.3g} {unit}, where it looks like another effect')
     return ''
 
+
+
+def _nothing(finding, faint):
+    """Return in words that nothing is left of a Finding in the better model, or ''."""
+    if finding.verdict != CONFIRMED or (finding.name, finding.joints) not in faint:
+        return ''
+    return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: estimated together '
+            'with everything else it moves less torque than matters beside the noise')
+
+
+def faint_in(model, better, trace):
+    """
+    Return {(name, joints)} of steps of which the better model holds too little to matter.
+
+    model, better: TorqueModels before and after; trace: a finished Trace.
+    """
+    return {(step.chosen.name, tuple(model.robot.joints[j] for j in step.chosen.joints))
+            for step in trace.steps if _faint(model, better, trace, step.chosen)}
+
+
+def _faint(model, better, trace, chosen):
+    if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm:
+        return False
+    old, new = ({(use.name, use.joint): (use.told_shape, m.mean[where])
+                 for use, where in m.slices()} for m in (model, better))
+    parts = []
+    for hypothesis, score in chosen.parts:
+        shape, mean = new[hypothesis.name, hypothesis.joint]
+        before, start = old.get((hypothesis.name, hypothesis.joint), ({}, 0.0))
+        if shape != before:
+            # With another shape it is no change of what was there.
+            return False
+        parts.append((hypothesis, replace(score, theta=(mean - start) / hypothesis.scale)))
+    return not trace.matters(replace(chosen, parts=tuple(parts)))

@@ -1,0 +1,139 @@
+"""
+Two causes of one joint that no single one shows.
+
+Viscous and Coulomb friction together look like a lubricant that thins; a spring and Coulomb
+friction look like nothing that has a name. Where what was to be chosen leaves more than chance,
+every cause of its joint is tried with every other beside it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .candidate import ahead, Candidate, joined, significant, single, tied
+from .choice import chosen_step
+from .diagnosis import UNKNOWN
+from .finer_shape import best_of_each, search_around
+from .hypotheses import of_joint
+
+# The shapes of so many pairs are searched.
+FINISHED = 4
+# Of a gap all shapes take longer than those of all else: beside another the likeliest is asked.
+LIKELIEST_ONLY = 'backlash'
+# In place of what has no name a pair explains at least this share of what that explains together
+# with the next.
+CLOSE = 0.97
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two Candidates of one joint: first, evaluated alone; second, evaluated beside the first."""
+
+    first: Candidate
+    second: Candidate
+
+    @property
+    def names(self):
+        """The names of both."""
+        return {self.first.name, self.second.name}
+
+    @property
+    def both(self):
+        """The Candidate of both together."""
+        return joined('both', (*self.first.parts, *self.second.parts))
+
+
+class Together:
+    """
+    The search for two causes at joint j, beside all that was found before.
+
+    model, residual, warmed: as of Trace; blocks: Blocks with what was found; taken: keys of that;
+    singles: Candidates of the joint's other named effects, alone;
+    allowed(hypothesis, score): whether physics allows what was fitted.
+    """
+
+    def __init__(self, model, residual, warmed, blocks, j, taken, singles, allowed):
+        self._model, self._residual, self._warmed = model, residual, warmed
+        self._blocks, self._j, self._taken = blocks, j, taken
+        self._singles = [c for c in singles if allowed(*c.parts[0])]
+        self._gap = next((c for c in singles if c.name == LIKELIEST_ONLY), None)
+        self._allowed = allowed
+
+    def instead_of(self, chosen, needed, matters):
+        """
+        Return the Steps of two effects that explain better what a Candidate does, or ().
+
+        needed [nats]; matters: tells whether a Candidate's torque is worth a place.
+        """
+        next_best = self._beside(chosen)
+        if not next_best or next_best[0].gain < needed:
+            return ()
+        pairs = [Pair(c, other) for c in self._singles if c.name != chosen.name
+                 for other in self._named(c)[:2] if other.name != chosen.name]
+        best = self._best(pairs)
+        # Every pair is a trial, too.
+        if best is None or not self._better(best.both, chosen, next_best,
+                                            needed + np.log(len(pairs))):
+            return ()
+        steps = self._steps(best, needed)
+        return steps if all(s.chosen.gain > needed and significant(s.chosen)
+                            and matters(s.chosen) for s in steps) else ()
+
+    def _better(self, both, chosen, next_best, needed):
+        if chosen.name == UNKNOWN:
+            return both.gain > CLOSE * (chosen.gain + max(0.0, next_best[0].gain))
+        named = next((c for c in next_best if c.name != UNKNOWN), None)
+        if named is None:
+            return False
+        beyond = ahead(both, self._finished(Pair(chosen, named)).both)
+        return beyond.gain > needed and significant(beyond)
+
+    def _best(self, pairs):
+        """Return the best of Pairs, the best few with their shapes searched, or None."""
+        ranked = sorted(pairs, key=lambda pair: -pair.both.gain)
+        # The same two in the other order are no other pair.
+        kept = [pair for k, pair in enumerate(ranked)
+                if pair.names not in [other.names for other in ranked[:k]]]
+        finished = [self._finished(pair) for pair in kept[:FINISHED]]
+        best = max(finished, key=lambda pair: pair.both.gain, default=None)
+        return best and min((pair for pair in finished if pair is best
+                             or tied(best.both, pair.both)),
+                            key=lambda pair: (pair.both.size, -pair.both.gain))
+
+    def _finished(self, pair):
+        """Return a Pair with the shapes of both searched, each beside the other."""
+        first = self._searched(pair.first, pair.second)
+        second = self._searched(pair.second, first)
+        hypothesis = first.parts[0][0]
+        return Pair(single(hypothesis, self._blocks.evaluate(hypothesis.columns)), second)
+
+    def _searched(self, candidate, beside):
+        blocks = self._blocks_beside(beside)
+        hypothesis = candidate.parts[0][0]
+        return single(*search_around((hypothesis, blocks.evaluate(hypothesis.columns)), blocks,
+                                     self._model, self._residual)[0])
+
+    def _steps(self, pair, needed):
+        """Return the Steps of both, each with what else there is beside the other."""
+        first = self._searched(pair.first, pair.second)
+        return tuple(chosen_step(one, [one, *self._named(other)], needed, self._named(other))
+                     for one, other in ((first, pair.second), (pair.second, first)))
+
+    def _named(self, beside):
+        """Return Candidates of named effects beside one, the best first."""
+        return [c for c in self._beside(beside) if c.name != UNKNOWN]
+
+    def _beside(self, beside):
+        """Return Candidates of this joint beside one that is not taken yet, the best first."""
+        blocks = self._blocks_beside(beside)
+        done = {*self._taken, *(h.key for h, _ in beside.parts)}
+        asked = list(of_joint(self._model, self._residual, blocks, self._warmed, self._j,
+                              {*done, (LIKELIEST_ONLY, self._j, '')}))
+        if self._gap is not None and self._gap.parts[0][0].key not in done:
+            asked.append(self._gap.parts[0][0])
+        found, _ = best_of_each(asked, blocks)
+        return sorted((single(*pair) for pair in found.values() if self._allowed(*pair)),
+                      key=lambda c: -c.gain)
+
+    def _blocks_beside(self, candidate):
+        return self._blocks.beside(candidate.columns)
