@@ -262,6 +262,14 @@ def test_what_has_no_name_is_unknown_with_its_variable():
         == {(u.name, u.joint) for u in declared_model().uses}
 
 
+@pytest.mark.parametrize('power', [2, 3])
+def test_no_two_impossible_effects_stand_in_for_what_has_no_name(power):
+    """Coulomb below zero beside a Stribeck peak, or a lubricant of negative friction, would."""
+    diagnosis, _ = diagnosed(on(1, 12.0, lambda run: np.sign(run.x.v) * np.abs(run.x.v) ** power))
+    assert [f.name for f in diagnosis.findings if f.verdict == CONFIRMED] == [UNKNOWN]
+    assert not any('impossible' in text for text in diagnosis.remains)
+
+
 @pytest.mark.parametrize('named, nameless, verdicts', [
     (12.0, 2.5, {'viscous_friction': CONFIRMED, UNKNOWN: SUSPECTED}),
     (3.0, 4.0, {'viscous_friction': SUSPECTED, UNKNOWN: SUSPECTED})])

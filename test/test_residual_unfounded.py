@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from residual_helpers import declared_model, on, recorded, viscous
+from residual_helpers import declared_model, on, recorded, ripple, viscous
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.effects.effect import SLOWEST
 from hand_load_estimator.effects.presliding_hysteresis import LONGEST
+from hand_load_estimator.effects.shear_thinning_friction import FASTEST
 from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
+from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.trace import Trace
@@ -25,8 +27,8 @@ def finding(name, parameters, joints=JOINTS[1:2], **keywords):
 
 
 @pytest.mark.parametrize('share, std, whole', [
-    (1.02, 0.01, True), (0.7, 0.02, True), (0.33, 0.05, False), (0.33, 0.4, False),
-    (0.55, 0.2, True), (1.6, 0.1, False)])
+    (1.02, 0.01, True), (0.7, 0.02, True), (2.46, 1.24, True), (0.33, 0.05, False),
+    (0.33, 0.4, True), (0.55, 0.2, True), (1.6, 0.1, False)])
 def test_a_share_of_a_delay_is_no_delay(share, std, whole):
     given = finding('time_delay', {'share': (share, std, '-'), 'delay': (0.01, 1e-3, 's')})
     (found,), told = of_another_kind((given,))
@@ -59,6 +61,7 @@ def test_a_peak_below_all_motion_is_known_by_its_tail_only(name, shape):
 
 @pytest.mark.parametrize('name, shape, most', [
     ('stribeck_friction', 'stribeck_velocity', FASTEST_PEAK),
+    ('shear_thinning_friction', 'thinning_velocity', FASTEST),
     ('presliding_hysteresis', 'presliding_distance', LONGEST)])
 def test_what_reaches_the_end_of_its_range_may_be_another_effect(name, shape, most):
     seen, at_end = (finding(name, {'level': (6.0, 0.1, 'Nm'), shape: (value, 0.1, 'rad')})
@@ -97,3 +100,13 @@ def traced():
     (step,) = trace.run()
     (hypothesis, score), = step.chosen.parts
     return model, trace, float(score.theta[0] * hypothesis.scale[0])
+
+
+def test_a_new_effect_with_a_shape_is_nothing_where_its_figures_are():
+    model, evidence = declared_model(), recorded(on(1, 4.0, ripple))
+    trace = Trace(model, find_residual(model, evidence), ())
+    better = better_model(model, trace.run(), evidence)
+    assert faint_in(model, better, trace) == set()
+    mean = better.mean.copy()
+    mean[next(where for use, where in better.slices() if use.name == 'torque_ripple')] = 0.0
+    assert faint_in(model, replace(better, mean=mean), trace) == {('torque_ripple', JOINTS[1:2])}

@@ -90,7 +90,7 @@ def our_contestants(model, names, learned, difference=None):
     learned: artefact of the default method, or None for the shipped one; difference: {function:
     folder} of the torque difference learned for this model, without which the methods on one stay
     out. A method without an artefact for this robot falls back on another: it stands once, under
-    the name of that.
+    the name of that; SUBSET, which none can stand for, stays out.
     """
     out, difference = {}, difference or {}
     for name in names:

@@ -38,8 +38,9 @@ def add_arguments(parser):
                              'more than its own on, an accuracy suite takes 50 plants, on '
                              'seeds that smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
-                        help='methods to measure, and gru_subset, gp_bayes_neural_process, '
-                             'gp_bayes_distilled, gp_bayes_bayesian_network, gp_bayes_known_load '
+                        help='methods to measure, and gru_subset (of the ur10e only), '
+                             'gp_bayes_neural_process, gp_bayes_distilled, '
+                             'gp_bayes_bayesian_network, gp_bayes_known_load '
                              '(default: all)')
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
                         help='offline rivals beside us: mujoco.sysid, figaroh (default: none; '

@@ -57,14 +57,14 @@ def run(args):
     # Where no joint slid, the model was held against nothing.
     told = diagnosis.sliding is not None
     write_model(out / 'model.yaml', dated(better, diagnosis.sliding) if told else better)
-    if start and better is model:
-        _say('nothing was added to the model: the artefact is left as it is')
-    elif start:
+    if start and better is not model:
         # Here, because it brings torch in, which nothing else of a diagnosis needs.
         from ..residual.fine_tuning import with_fine_tuning
         diagnosis = with_fine_tuning(diagnosis, better, out / 'model.yaml', start,
                                      out / 'learned', tests, _say)
     else:
+        if start:
+            _say('nothing was added to the model: the artefact is left as it is')
         diagnosis = with_kept_artefact(diagnosis, model, better, tests)
     content = diagnosis_content(diagnosis)
     if diagnosis.correction is not None:

@@ -3,21 +3,21 @@ Two causes of one joint that no single one shows.
 
 Viscous and Coulomb friction together look like a lubricant that thins; a spring and Coulomb
 friction look like nothing that has a name. Where what was to be chosen leaves more than chance,
-every cause of its joint is tried with every other beside it.
+every cause of its joint is tried with the two that gain most beside it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .candidate import ahead, Candidate, joined, significant, single, tied
+from .candidate import ahead, Candidate, joined, significant, single, Step, tied
 from .choice import chosen_step
 from .diagnosis import UNKNOWN
 from .finer_shape import best_of_each, search_around
 from .hypotheses import of_joint
 
-# The shapes of so many pairs are searched.
-FINISHED = 4
+# Of each cause so many others beside it make a pair; the shapes of so many pairs are searched.
+PARTNERS, FINISHED = 2, 4
 # Of a gap all shapes take longer than those of all else: beside another the likeliest is asked.
 LIKELIEST_ONLY = 'backlash'
 # In place of what has no name a pair explains at least this share of what that explains together
@@ -55,7 +55,7 @@ class Together:
     def __init__(self, model, residual, warmed, blocks, j, taken, singles, allowed):
         self._model, self._residual, self._warmed = model, residual, warmed
         self._blocks, self._j, self._taken = blocks, j, taken
-        self._singles = [c for c in singles if allowed(*c.parts[0])]
+        self._singles = singles
         self._gap = next((c for c in singles if c.name == LIKELIEST_ONLY), None)
         self._allowed = allowed
 
@@ -69,13 +69,13 @@ class Together:
         if not next_best or next_best[0].gain < needed:
             return ()
         pairs = [Pair(c, other) for c in self._singles if c.name != chosen.name
-                 for other in self._named(c)[:2] if other.name != chosen.name]
+                 for other in self._named(c)[:PARTNERS] if other.name != chosen.name]
         best = self._best(pairs)
         # Every pair is a trial, too.
         if best is None or not self._better(best.both, chosen, next_best,
                                             needed + np.log(len(pairs))):
             return ()
-        steps = self._steps(best, needed)
+        steps = self._steps(best, chosen.name, needed)
         return steps if all(s.chosen.gain > needed and significant(s.chosen)
                             and matters(s.chosen) for s in steps) else ()
 
@@ -94,7 +94,8 @@ class Together:
         # The same two in the other order are no other pair.
         kept = [pair for k, pair in enumerate(ranked)
                 if pair.names not in [other.names for other in ranked[:k]]]
-        finished = [self._finished(pair) for pair in kept[:FINISHED]]
+        finished = [pair for pair in map(self._finished, kept[:FINISHED])
+                    if self._possible(pair)]
         best = max(finished, key=lambda pair: pair.both.gain, default=None)
         return best and min((pair for pair in finished if pair is best
                              or tied(best.both, pair.both)),
@@ -113,11 +114,21 @@ class Together:
         return single(*search_around((hypothesis, blocks.evaluate(hypothesis.columns)), blocks,
                                      self._model, self._residual)[0])
 
-    def _steps(self, pair, needed):
+    def _possible(self, pair):
+        """Tell whether physics allows either of two beside the other: two may make up for each."""
+        first = self._beside_other(pair.first, pair.second)
+        return self._allowed(*first.parts[0]) and self._allowed(*pair.second.parts[0])
+
+    def _beside_other(self, candidate, other):
+        hypothesis = candidate.parts[0][0]
+        return single(hypothesis, self._blocks_beside(other).evaluate(hypothesis.columns))
+
+    def _steps(self, pair, instead_of, needed):
         """Return the Steps of both, each with what else there is beside the other."""
-        first = self._searched(pair.first, pair.second)
-        return tuple(chosen_step(one, [one, *self._named(other)], needed, self._named(other))
-                     for one, other in ((first, pair.second), (pair.second, first)))
+        second = _step(pair.second, self._named(pair.first), {pair.first.name, instead_of}, needed)
+        first = self._beside_other(pair.first, second.chosen)
+        return (_step(first, self._named(second.chosen), {second.chosen.name, instead_of}, needed),
+                replace(second, chosen=self._beside_other(second.chosen, first)))
 
     def _named(self, beside):
         """Return Candidates of named effects beside one, the best first."""
@@ -137,3 +148,12 @@ class Together:
 
     def _blocks_beside(self, candidate):
         return self._blocks.beside(candidate.columns)
+
+
+def _step(one, rivals, taken, needed):
+    """Return the Step of one of a pair, or of a simpler Candidate as good whose name is free."""
+    step = chosen_step(one, [one, *rivals], needed, rivals)
+    if step.chosen is one or step.chosen.name not in taken:
+        return step
+    beside = tuple(c for c in (step.chosen, *step.alternatives) if c.name != one.name)
+    return Step(one, beside, step.chosen, needed)

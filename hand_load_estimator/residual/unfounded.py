@@ -11,8 +11,9 @@ beside the torque as it is.
 from dataclasses import replace
 
 from ..effects import EFFECTS
+from .candidate import SIGMAS
 from .diagnosis import CONFIRMED, SUSPECTED
-from .hypothesis import whole
+from .hypothesis import WHOLE
 
 
 def of_another_kind(findings, faint=()):
@@ -33,7 +34,8 @@ def _why(finding):
     joints = ', '.join(finding.joints)
     for name, (mean, std, unit) in finding.parameters.items():
         plain = name.split(' (')[0]
-        if finding.name == 'time_delay' and plain == 'share' and not whole(mean, std):
+        if finding.name == 'time_delay' and plain == 'share' \
+                and abs(mean - 1.0) > max(WHOLE, SIGMAS * std):
             return (f'{joints}: time_delay is only suspected: all of the torque would come late, '
                     f'but the model written delays {mean:.3g} ± {2.0 * std:.2g} of it (two '
                     'standard deviations)')
@@ -45,7 +47,6 @@ def _why(finding):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or above '
                     f'{mean:.3g} {unit}, where it looks like another effect')
     return ''
-
 
 
 def _nothing(finding, faint):
@@ -74,9 +75,9 @@ def _faint(model, better, trace, chosen):
     parts = []
     for hypothesis, score in chosen.parts:
         shape, mean = new[hypothesis.name, hypothesis.joint]
-        before, start = old.get((hypothesis.name, hypothesis.joint), ({}, 0.0))
+        before, start = old.get((hypothesis.name, hypothesis.joint), (shape, 0.0))
         if shape != before:
-            # With another shape it is no change of what was there.
+            # What the model had with another shape: the figures are no change of those.
             return False
         parts.append((hypothesis, replace(score, theta=(mean - start) / hypothesis.scale)))
     return not trace.matters(replace(chosen, parts=tuple(parts)))
