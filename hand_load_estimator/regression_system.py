@@ -7,15 +7,17 @@ import numpy as np
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
 from .presliding import stuck_density
-from .torque_columns import (as_reported, ColumnLayout, effect_columns, motion_input,
-                             presliding_distances, presliding_powers, torque_columns)
+from .torque_columns import (as_reported, ColumnLayout, effect_columns, effect_slices, lateness,
+                             motion_input, presliding_distances, presliding_powers,
+                             torque_columns)
 
 
 class System:
     """
     Columns, torque and friction doubt of several recordings for one set of effects.
 
-    mean (P,): parameters that tell torques to the effects that depend on them.
+    mean (P,): parameters that tell torques to the effects that depend on them; around these the
+    torque of a delay, which is a product of its share and all others, is made linear.
     """
 
     def __init__(self, robot, uses, evidence, mean):
@@ -38,10 +40,27 @@ class System:
         self.acceleration = np.concatenate([x.a for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
         self._uses = uses
+        # A delay delays every other column of its joint; none counts twice.
+        self._late = {use.joint: (mean[where][0], use.shape['shift'])
+                      for use, where in effect_slices(robot.n, uses) if use.name == 'time_delay'}
+        for j in self._late:
+            now = self.columns[:, j, layout.plain]
+            self.columns[:, j, layout.plain] = self._reported(now, j)
+            self.torque[:, j] += (self.columns[:, j, layout.plain] - now) @ mean[layout.plain]
+
+    def _reported(self, columns, j):
+        """Return columns (N, k) of joint j, of the moments that its torque belongs to."""
+        if j not in self._late:
+            return columns
+        share, delay = self._late[j]
+        parts = [(columns[rows], self.dt[rows])
+                 for rows in (self.owner == k for k in np.unique(self.owner))]
+        return np.concatenate([part + share * lateness(part, dt)(delay) for part, dt in parts])
 
     def columns_of(self, use):
         """Return the columns (N, k) of an effect that reads no torques."""
-        return np.concatenate([effect_columns(x, use) for x in self._inputs])
+        columns = np.concatenate([effect_columns(x, use) for x in self._inputs])
+        return self._reported(columns, use.joint)
 
     def reshape(self, use, where):
         """Write the columns of such an effect anew; where: its slice of x."""

@@ -97,6 +97,7 @@ class ColumnLayout:
     Where the columns of declared effects stand in Y, joints of one effect taken together.
 
     size: P, the length of x. needs: what the columns read beside motion and friction state.
+    plain (P,): which are not of effects that depend on torques themselves.
     """
 
     def __init__(self, n, uses):
@@ -114,6 +115,8 @@ class ColumnLayout:
             group = effect, joints, shape, places
             (torque_bound if effect.needs & _TORQUES else plain).append(group)
         self._plain, self._torque_bound = _Groups(plain, n), _Groups(torque_bound, n)
+        self.plain = np.ones(self.size, dtype=bool)
+        self.plain[self._torque_bound.places] = False
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
         self._tilt = next((where for use, where in pairs if use.name == 'base_tilt'), None)
 
@@ -131,9 +134,7 @@ class ColumnLayout:
 
     def plain_torque(self, columns, mean):
         """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
-        bound = np.zeros(self.size, dtype=bool)
-        bound[self._torque_bound.places] = True
-        return columns @ np.where(bound, 0.0, mean)
+        return columns @ np.where(self.plain, mean, 0.0)
 
 
 # Inputs of effects that follow from the other columns.

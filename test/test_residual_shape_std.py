@@ -21,7 +21,7 @@ def case(q, v, residual, weights):
                     np.arange(0, len(q), 200), np.arange(len(q) // 200) % 5)
     x = SimpleNamespace(q=q[:, None], v=v[:, None], sign=np.sign(v)[:, None],
                         warmth=np.zeros((len(q), 1)), shown=None)
-    return blocks, SimpleNamespace(x=x)
+    return blocks, SimpleNamespace(x=x, delays={})
 
 
 def std_of(name, shape, blocks, residual):

@@ -13,7 +13,8 @@ from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.candidate import single
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import hypotheses, turned as turned_exactly
+from hand_load_estimator.residual.hypotheses import hypotheses
+from hand_load_estimator.residual.leaning_base import turned as turned_exactly
 from hand_load_estimator.residual.trace import Trace
 
 

@@ -13,13 +13,18 @@ from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN
-from .hypotheses import EFFECT_FACTOR, LINK_FACTOR, with_effect
+from .hypotheses import with_effect
+from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LATE, LINK_FACTOR
 from .known_recordings import made_from
 
 # What is known of the arm from before stays known, with standard deviations so much wider.
 WIDER = 3.0
 # Of the old model's residual density at least this share stays stated.
 SHOWN = 0.5
+# Rounds of estimating parameters and what depends on them.
+TURNS = 3
+# A variance so small is none.
+NONE = 1e-12
 
 
 def better_model(model, steps, evidence):
@@ -58,7 +63,7 @@ def identified_again(model, uses, evidence, changed=frozenset()):
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own)
     links = _links_declared(model, changed)
-    return _identified(model, (uses, links), mean, covariance, evidence, own)
+    return _identified(model, (uses, links), (mean, covariance), evidence, own)
 
 
 def _prior(model, uses, changed, own):
@@ -112,13 +117,38 @@ def _before(use, own):
                                                   in use.shape_std.items()})
 
 
-def _identified(model, declared, mean, covariance, evidence, own):
-    uses, links = declared
+def _with_whole_delays(n, uses, x, covariance):
+    """
+    Return uses and x (P,) with the delays that make each share a whole one.
+
+    A share of nothing is that of a delay nobody has estimated; one far from a whole stays. Joints
+    with the same delay keep it the same.
+    """
+    uses, x, groups = list(uses), x.copy(), {}
+    for k, (use, where) in enumerate(effect_slices(n, uses)):
+        if use.name == LATE:
+            groups.setdefault(use.shape['shift'], []).append((k, where.start))
+    for shift, those in groups.items():
+        numbers = [number for _, number in those]
+        variance = np.maximum(np.diag(covariance)[numbers], NONE)
+        share = np.average(x[numbers], weights=1.0 / variance)
+        if share and abs(share - 1.0) > DOUBTFUL:
+            continue
+        x[numbers] = 1.0
+        for k, _ in those if share else ():
+            uses[k] = replace(uses[k], shape={'shift': shift * share})
+    return tuple(uses), x
+
+
+def _identified(model, declared, before, evidence, own):
+    (uses, links), (mean, covariance) = declared, before
     known = tuple(_before(use, own) for use in uses)
-    robot, x, residuals = model.robot, mean, model.residuals
+    robot, residuals = model.robot, model.residuals
+    # From a share of nothing the first turn would take a delay for something else.
+    uses, x = _with_whole_delays(robot.n, uses, mean, covariance)
     intensity, friction = residuals.intensity, model.friction_level()
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
-    for _ in range(3):
+    for turn in range(TURNS):
         # Only effects that depend on torques change their columns with x.
         if system is None or torque_bound:
             system = System(robot, uses, evidence, x)
@@ -130,6 +160,8 @@ def _identified(model, declared, mean, covariance, evidence, own):
         if not own:
             # New recordings need not show all that the old ones did.
             intensity = np.maximum(intensity, SHOWN * residuals.intensity)
+        if turn < TURNS - 1:
+            uses, x = _with_whole_delays(robot.n, uses, x, posterior)
     rmse, drift = rmse_of(robot, system, left_out.residual), residuals.drift
     if own:
         drift = drift_of(system, left_out.residual, weights)

@@ -102,9 +102,8 @@ def joined(name, parts):
 
 def in_common(hypothesis, score):
     """Return the Candidate of one hypothesis on several joints, in parts for each of them."""
-    parts = tuple((replace(hypothesis, joint=j, columns={j: columns}),
-                   replace(score, by_joint={j: score.by_joint[j]}))
-                  for j, columns in hypothesis.columns.items())
+    parts = tuple((hypothesis.at(j), replace(score, by_joint={j: score.by_joint[j]}))
+                  for j in hypothesis.columns)
     return Candidate(hypothesis.name, parts, score.gain, score.std, score.by_block, True)
 
 
@@ -114,7 +113,15 @@ def hypotheses_of(candidate):
     if not candidate.common:
         return found
     columns = {j: own for hypothesis in found for j, own in hypothesis.columns.items()}
-    return [replace(found[0], joint=None, columns=columns)]
+    prompt = {j: own for hypothesis in found for j, own in (hypothesis.prompt or {}).items()}
+    return [replace(found[0], joint=None, columns=columns, prompt=prompt or None)]
+
+
+def with_hypotheses(candidate, hypotheses):
+    """Return the Candidate with other Hypotheses for hypotheses_of, the evidence as it was."""
+    made = [h.at(j) for h in hypotheses for j in h.columns] if candidate.common else hypotheses
+    parts = tuple((h, score) for h, (_, score) in zip(made, candidate.parts))
+    return replace(candidate, parts=parts)
 
 
 def evaluated(candidate, blocks):

@@ -1,8 +1,10 @@
 """Choose among candidates: the simplest that is as good as the best, and what stands beside it."""
 
 from .candidate import alike, Step, tied
+from .confusable import CLOSE
 from .diagnosis import UNKNOWN
 from .hypotheses import ONE_CAUSE
+from .hypothesis import looks_like_another
 
 
 def chosen_step(best, ranked, needed, every):
@@ -14,13 +16,21 @@ def chosen_step(best, ranked, needed, every):
     """
     rivals = [c for c in ranked if c is not best and _instead(c, best)]
     # Of equals, the one that needs the fewest parameters; a pair that nothing tells apart.
-    equal = [c for c in rivals if tied(best, c) and best.name != UNKNOWN]
+    equal = [c for c in rivals if best.name != UNKNOWN and (
+        tied(best, c) or looks_like(best, c))]
     simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
     others = [best, *(c for c in rivals if alike(best, c))]
     alternatives = tuple(c for c in others if c.name not in (simplest.name, UNKNOWN))
     lesser = sorted((c for c in every if _instead(c, simplest)), key=lambda c: -c.gain)
     runner_up = next((c for c in [best, *rivals, *lesser] if _other(c, simplest)), None)
     return Step(simplest, alternatives, runner_up, needed)
+
+
+def looks_like(best, other):
+    """Tell whether a Candidate has a figure at its end, with which it is as good as another."""
+    def at_end(candidate):
+        return any(looks_like_another(hypothesis) for hypothesis, _ in candidate.parts)
+    return at_end(best) and not at_end(other) and other.gain > CLOSE * best.gain
 
 
 def _instead(candidate, best):

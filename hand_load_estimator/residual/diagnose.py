@@ -74,13 +74,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     own = made_from(model, evidence)
     trace, rest = _traced(model, residual, warmed, own, progress)
     progress('estimating everything together')
-    # A model made from these recordings took what acted from outside for the arm's own.
-    again = trace.steps or own and outside.found
-    better = better_model(model, trace.steps, evidence) if again else model
-    # A model made from these recordings has seen what is now kept for the test: where another is
-    # written, both are fitted without it; else the error told is that of the model written.
-    refitted = bool(again and own and kept)
-    old = better_model(model, (), evidence) if refitted else model
+    old, better, refitted = _models(model, trace.steps, evidence, own and (outside.found, kept))
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
                               (names, whole, outside.found), (before, after))
@@ -102,6 +96,23 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         remains=doubts + sentences_on(structure, model.robot.joints),
         structure=structure,
         sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
+
+
+def _models(model, steps, evidence, own):
+    """
+    Return TorqueModels: to compare with, with what was found; whether neither has seen the test.
+
+    own: False, or for a model made from these recordings (what acted from outside, whether the
+    test is part of them).
+    """
+    outside, kept = own or ((), False)
+    # Such a model took what acted from outside for the arm's own.
+    if not steps and not outside:
+        return model, model, False
+    # And it has seen what is now kept for the test: where another is written, both are fitted
+    # without it; else the error told is that of the model written.
+    old = better_model(model, (), evidence) if kept else model
+    return old, better_model(model, steps, evidence), bool(kept)
 
 
 def _found(models, residual, traced, outside, errors):

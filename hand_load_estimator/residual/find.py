@@ -39,7 +39,8 @@ class Residual:
     joint states of each row; owner (N,): part of a recording; cut: into blocks; moving (N, n):
     where joints slide; sliding (N, n): where they slide by the watch's stricter measure
     (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
-    by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise.
+    by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays {joint: [s]}:
+    how late a joint was found to report its torque.
     """
 
     x: EffectInput
@@ -56,6 +57,7 @@ class Residual:
     sliding: np.ndarray
     expected: np.ndarray
     noise: np.ndarray
+    delays: dict = field(default_factory=dict)
     _paths: dict = field(default_factory=dict)
 
     @property
@@ -72,6 +74,16 @@ class Residual:
     def observations(self):
         """Number of groups of blocks: repetitions of one motion are one."""
         return int(self.cut.groups.max()) + 1
+
+    def reported(self, columns):
+        """Return columns {joint: (N, k)} of the moments that the torques reported belong to."""
+        return {j: self._late(own, self.delays[j]) if j in self.delays else own
+                for j, own in columns.items()}
+
+    def _late(self, columns, delay):
+        parts = [(columns[rows], self.dt[rows])
+                 for rows in (self.owner == k for k in dict.fromkeys(self.owner))]
+        return np.concatenate([part + lateness(part, dt)(delay) for part, dt in parts])
 
     def friction_state(self, distance, power):
         """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
@@ -105,7 +117,7 @@ class Residual:
 
     def _leading(self, j, root):
         """Return (N, R): directions of the parameters that joint j tells anything about."""
-        columns = self.columns[:, j] @ root
+        columns = self.reported({j: self.columns[:, j]})[j] @ root
         values, axes = np.linalg.eigh((columns * self.weights[:, j, None]).T @ columns)
         return columns @ axes[:, values > TOLD]
 
@@ -125,7 +137,8 @@ def find_residual(model, evidence, cut=True):
         x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
-    return Residual(x, owner=owner, cut=pieces, noise=noise,
+    delays = {use.joint: use.shape['shift'] for use in model.uses if use.name == 'time_delay'}
+    return Residual(x, owner=owner, cut=pieces, noise=noise, delays=delays,
                     expected=_expected(model, joined['columns'], x), **joined)
 
 

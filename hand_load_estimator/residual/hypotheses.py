@@ -12,7 +12,9 @@ from ..effects.stribeck_friction import VELOCITY_RANGE
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
-from .hypothesis import Hypothesis, searched
+from .hypothesis import (beside_delays, EFFECT_FACTOR, Hypothesis, LATE, LINK_FACTOR,
+                         searched)
+from .leaning_base import tilted
 from .plain_functions import functions, VARIABLES
 from .ripple import likely_periods
 
@@ -27,10 +29,8 @@ OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 FORMS = {'stribeck_friction': {'exponent': (1.0, 1.3, 1.7),
                                VELOCITY_RANGE.name: (np.inf, 80.0, 30.0)},
          'shear_thinning_friction': {'exponent': (1.0, 0.75, 0.5)}}
-# Link data may be off by more than a new arm's.
-LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
 # These have one cause for all joints of an arm: one hypothesis, however many joints show it.
-ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', 'time_delay')
+ONE_CAUSE = ('torque_scale', 'torque_scale_temperature', LATE)
 
 
 def hypotheses(model, residual, blocks, warmed, done=()):
@@ -43,13 +43,21 @@ def hypotheses(model, residual, blocks, warmed, done=()):
         yield from of_joint(model, residual, blocks, warmed, j, done)
     for name in ONE_CAUSE:
         if (name, None, '') not in done:
-            yield from _in_common(model, residual, EFFECTS[name], warmed)
+            yield from _late(_in_common(model, residual, EFFECTS[name], warmed), residual)
     if ('base_tilt', 0, '') not in done:
-        yield _tilt(model, residual)
+        yield tilted(model, residual)
 
 
 def of_joint(model, residual, blocks, warmed, j, done=()):
     """Yield the Hypotheses of joint j alone; arguments as of hypotheses."""
+    yield from _late(_of_joint(model, residual, blocks, warmed, j, done), residual)
+
+
+def _late(found, residual):
+    return (beside_delays(hypothesis, residual) for hypothesis in found)
+
+
+def _of_joint(model, residual, blocks, warmed, j, done):
     residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
     for name, effect in EFFECTS.items():
         if effect.whole_arm or effect.learned or (name, j, '') in done \
@@ -183,6 +191,11 @@ def reshaped(hypothesis, factors, model, residual):
 
 def of_shapes(hypothesis, shapes, model, residual):
     """Return the same Hypothesis with each of other shapes."""
+    return list(_late(_of_shapes(replace(hypothesis, prompt=None), shapes, model, residual),
+                      residual))
+
+
+def _of_shapes(hypothesis, shapes, model, residual):
     j = hypothesis.joint
     if j is None:
         joints = list(hypothesis.columns)
@@ -232,36 +245,6 @@ def _of_link(residual, j, std):
     scale = LINK_FACTOR * std[where]
     return Hypothesis('link_inertia', j, {i: residual.columns[:, i, where] * scale
                                           for i in range(j + 1)}, scale)
-
-
-def all_links(model, residual):
-    """Return the Hypothesis that the data of all links are off, each as much as its own."""
-    n = model.robot.n
-    scale = LINK_FACTOR * np.sqrt(np.diag(prior(model.robot, (), True)[1]))[:10 * n]
-    return Hypothesis('link_inertia', None, {j: residual.columns[:, j, :10 * n] * scale
-                                             for j in range(n)}, scale)
-
-
-def _tilt(model, residual):
-    scale = EFFECT_FACTOR * EFFECTS['base_tilt'].std(1.0)
-    return Hypothesis('base_tilt', 0, {j: residual.x.tilt[:, j] * scale
-                                       for j in range(model.robot.n)}, scale)
-
-
-def turned(hypothesis, score, model, residual):
-    """
-    Return base_tilt's Hypothesis with columns that are exact for the turn that its Score fitted.
-
-    To first order only, a base that leans far leaves a torque which looks like other links.
-    """
-    links, before = model.mean[:10 * model.robot.n], model.layout.tilt(model.mean)
-    turn = hypothesis.scale * score.theta
-    now = np.array([model.robot.tilt_regressor(row, links, before + turn)
-                    for row in residual.x.q])
-    # What the columns times both turns change, less what the model has of it already.
-    columns = now + ((now - residual.x.tilt) @ before)[..., None] * turn / (turn @ turn)
-    return replace(hypothesis, columns={j: columns[:, j] * hypothesis.scale
-                                        for j in hypothesis.columns})
 
 
 def with_effect(model, hypothesis):

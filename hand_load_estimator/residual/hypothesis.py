@@ -1,6 +1,6 @@
 """A hypothesis: one possible cause of the residual, and what may be asked of it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -9,6 +9,9 @@ from ..effects.own_travel import OWN_TRAVEL
 from .impossible import SURE
 from .wrong_joint import LEAST_GAIN, MOST_GAIN
 
+# Units of columns, beside the prior's std: link data may be off by more than a new arm's.
+LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
+LATE = 'time_delay'
 # A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
 WHOLE, DOUBTFUL = 0.35, 0.5
 
@@ -20,7 +23,8 @@ class Hypothesis:
     units of the prior's std.
 
     scale (k,): that std in physical units; shape: values of nonlinear parameters; variable: for
-    `unknown`, what it is a function of; trials: how many shapes were looked at to come to it.
+    `unknown`, what it is a function of; trials: how many shapes were looked at to come to it;
+    prompt: the columns as they are without the delays of the joints, where those are among them.
     """
 
     name: str
@@ -30,11 +34,30 @@ class Hypothesis:
     shape: dict = field(default_factory=dict)
     variable: str = ''
     trials: int = 1
+    prompt: dict | None = None
 
     @property
     def key(self):
         """What makes it a cause of its own, whatever its shape."""
         return self.name, self.joint, self.variable
+
+    def at(self, j):
+        """Return the same of one of several joints."""
+        return replace(self, joint=j, columns={j: self.columns[j]},
+                       prompt=self.prompt and {j: self.prompt[j]})
+
+
+def beside_delays(hypothesis, residual):
+    """
+    Return a Hypothesis with the columns that it has beside the delays of a Residual.
+
+    A joint whose torque comes late shows late whatever else it does.
+    """
+    prompt = hypothesis.prompt or hypothesis.columns
+    delayed = hypothesis.prompt or residual.delays.keys() & prompt.keys()
+    if hypothesis.name == LATE or not delayed:
+        return hypothesis
+    return replace(hypothesis, columns=residual.reported(prompt), prompt=prompt)
 
 
 def searched(hypothesis):
@@ -46,6 +69,13 @@ def turns(hypothesis):
     """Tell whether a shape of a Hypothesis says how friction turns after a reversal."""
     return hypothesis.name == 'presliding_hysteresis' or (
         hypothesis.name in EFFECTS and OWN_TRAVEL in EFFECTS[hypothesis.name].shapes)
+
+
+def looks_like_another(hypothesis):
+    """Tell whether a shape stands at an end, beyond which no motion shows what it is."""
+    return any(hypothesis.shape.get(s.name, s.default) >= s.most or s.unit == 'rad/s'
+               and hypothesis.shape.get(s.name, s.default) <= s.least
+               for s in EFFECTS[hypothesis.name].shapes) if hypothesis.shape else False
 
 
 def whole(share, std):
@@ -80,7 +110,7 @@ def physical(hypothesis, score, declared):
         return bool(hypothesis.shape) or not any(
             total[k] < -SURE * doubt[k] for k in EFFECTS[hypothesis.name].positive)
     positive = all(theta[k] > SURE * std[k] for k in EFFECTS[hypothesis.name].positive)
-    if hypothesis.name == 'time_delay':
+    if hypothesis.name == LATE:
         share, doubt = theta[0] * hypothesis.scale[0], std[0] * hypothesis.scale[0]
         return whole(share, doubt)
     return positive

@@ -12,9 +12,11 @@ import numpy as np
 
 from .candidate import ahead, Candidate, joined, significant, single, Step, tied
 from .choice import chosen_step
+from .delay_among_others import delay_among, delayed
 from .diagnosis import UNKNOWN
 from .finer_shape import best_of_each, search_around
 from .hypotheses import of_joint
+from .hypothesis import beside_delays, LATE
 
 # Of each cause so many others beside it make a pair; the shapes of so many pairs are searched.
 PARTNERS, FINISHED = 2, 4
@@ -105,14 +107,24 @@ class Together:
         """Return a Pair with the shapes of both searched, each beside the other."""
         first = self._searched(pair.first, pair.second)
         second = self._searched(pair.second, first)
-        hypothesis = first.parts[0][0]
+        hypothesis = beside_delays(first.parts[0][0], self._late(second))
         return Pair(single(hypothesis, self._blocks.evaluate(hypothesis.columns)), second)
 
     def _searched(self, candidate, beside):
-        blocks = self._blocks_beside(beside)
-        hypothesis = candidate.parts[0][0]
+        hypothesis, other = candidate.parts[0][0], beside.parts[0][0]
+        if hypothesis.name == LATE:
+            moved = delay_among(hypothesis, [other], self._blocks, self._model, self._residual)
+            other = beside_delays(other, delayed(self._residual, moved))
+            return single(moved, self._blocks.beside(other.columns).evaluate(moved.columns))
+        blocks, residual = self._blocks_beside(beside), self._late(beside)
+        hypothesis = beside_delays(hypothesis, residual)
         return single(*search_around((hypothesis, blocks.evaluate(hypothesis.columns)), blocks,
-                                     self._model, self._residual)[0])
+                                     self._model, residual)[0])
+
+    def _late(self, candidate):
+        """Return the Residual beside a Candidate, which may be a delay."""
+        return delayed(self._residual, candidate.parts[0][0]) if candidate.name == LATE \
+            else self._residual
 
     def _possible(self, pair):
         """Tell whether physics allows either of two beside the other: two may make up for each."""
@@ -138,10 +150,11 @@ class Together:
         """Return Candidates of this joint beside one that is not taken yet, the best first."""
         blocks = self._blocks_beside(beside)
         done = {*self._taken, *(h.key for h, _ in beside.parts)}
-        asked = list(of_joint(self._model, self._residual, blocks, self._warmed, self._j,
+        residual = self._late(beside)
+        asked = list(of_joint(self._model, residual, blocks, self._warmed, self._j,
                               {*done, (LIKELIEST_ONLY, self._j, '')}))
         if self._gap is not None and self._gap.parts[0][0].key not in done:
-            asked.append(self._gap.parts[0][0])
+            asked.append(beside_delays(self._gap.parts[0][0], residual))
         found, _ = best_of_each(asked, blocks)
         return sorted((single(*pair) for pair in found.values() if self._allowed(*pair)),
                       key=lambda c: -c.gain)

@@ -14,9 +14,11 @@ import numpy as np
 from .candidate import evaluated, in_common, joined, significant, single
 from .choice import chosen_step
 from .diagnosis import UNKNOWN
-from .finer_shape import best_of_each, finer, search_around, searched_again
-from .hypotheses import all_links, hypotheses, ONE_CAUSE, turned
+from .finer_shape import best_of_each, search_around
+from .found import Found
+from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
+from .leaning_base import all_links, turned
 from .together import Together
 
 ROUNDS = 10
@@ -49,16 +51,32 @@ class Trace:
 
     def __init__(self, model, residual, warmed, root=None,
                  progress=lambda text: None):
-        self._model, self._residual = model, residual
-        self._warmed, self._progress = warmed, progress
-        self._root = root
-        self.blocks = residual.blocks(root)
-        self.steps, self.drifted, self.trials = [], [], 0
+        self._model, self._warmed, self._progress = model, warmed, progress
+        self._found = Found(model, residual, warmed, root)
+        self.blocks, self.trials = residual.blocks(root), 0
         self.nearly, self.needed = [], 0.0
         std = np.sqrt(np.diag(model.covariance))
         self._declared = {(use.name, use.joint): (model.mean[where], std[where])
                           for use, where in model.slices()}
-        self._scores, self._taken = {}, set()
+        self._scores = {}
+
+    @property
+    def steps(self):
+        """Steps found."""
+        return self._found.steps
+
+    @property
+    def drifted(self):
+        """Steps of changes that the model says to expect."""
+        return self._found.drifted
+
+    @property
+    def _residual(self):
+        return self._found.residual
+
+    @property
+    def _taken(self):
+        return self._found.taken
 
     def run(self):
         """Select effects until none is worth it; return the steps."""
@@ -67,34 +85,13 @@ class Trace:
             steps = list(self._round())
             if not steps:
                 break
-            for k, step in enumerate(steps):
-                blocks = self.blocks
-                for other in steps[:k] + steps[k + 1:]:
-                    blocks = blocks.beside(other.chosen.columns)
-                steps[k] = replace(step, chosen=finer(step.chosen, blocks, self._model,
-                                                      self._residual, self._warmed))
+            steps = self._found.with_finer_shapes(steps)
             for step in steps:
-                found = self.drifted if self._expected(step.chosen) else self.steps
-                found.append(step)
-                self._take(step.chosen)
-            self._settle_beside(steps[-1])
+                self._found.add(step, self._expected(step.chosen))
+            changed = self._found.settle_beside(steps[-1])
+            self.blocks = self._found.blocks()
+            self._forget(changed.union(*(step.chosen.touched for step in steps)))
         return self.steps
-
-    def _settle_beside(self, new):
-        """Search shapes again, of what was found at the same joints before, then of the new."""
-        joints = set(new.chosen.touched)
-        earlier = [step for step in self.steps if step is not new and step.chosen.name != UNKNOWN
-                   and joints & set(step.chosen.touched)]
-        if new.chosen.name == UNKNOWN or not earlier:
-            return
-        for step in (*earlier, new):
-            again = searched_again(step.chosen, self.beside(step), self._model, self._residual,
-                                   self._warmed)
-            for found in (self.steps, self.drifted):
-                found[:] = [replace(s, chosen=again) if s is step else s for s in found]
-            joints |= set(again.touched)
-        self.blocks = self._blocks_of(self.steps + self.drifted)
-        self._forget(joints)
 
     def keep_what_still_gains(self):
         """Backward check: drop steps, and joints of them, that gain no more beside the others."""
@@ -108,7 +105,7 @@ class Trace:
             if shown is not step and self.still_gains(shown).gain < step.needed:
                 self.steps.pop(at)
         # What was dropped must not count as explained.
-        self.blocks = self._blocks_of(self.steps + self.drifted)
+        self.blocks = self._found.blocks()
 
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
@@ -126,9 +123,7 @@ class Trace:
 
     def beside(self, step):
         """Return Blocks with all other steps for nuisances."""
-        # A plain function would take the place of any effect of its variable.
-        return self._blocks_of(other for other in self.steps + self.drifted
-                               if other is not step and other.chosen.name != UNKNOWN)
+        return self._found.beside(step)
 
     def unexplained(self):
         """Return the indices of joints where what has no name is more than a rest."""
@@ -143,14 +138,6 @@ class Trace:
         """Return what named effects gained at a joint [nats]."""
         return sum(self._share(step.chosen, joint) for step in self.steps
                    if step.chosen.name != UNKNOWN)
-
-    def _blocks_of(self, steps):
-        """Return Blocks with the effects of some steps for nuisances."""
-        blocks = self._residual.blocks(self._root)
-        for step in steps:
-            for hypothesis, _ in step.chosen.parts:
-                blocks.add(hypothesis.columns)
-        return blocks
 
     def declared(self, candidate):
         """Tell whether the model has the effect already, with other figures."""
@@ -279,12 +266,6 @@ class Trace:
         if score.gain < LEAST_GAIN:
             return (hypothesis, score), 0
         return search_around((hypothesis, score), self.blocks, self._model, self._residual)
-
-    def _take(self, chosen):
-        for hypothesis, _ in chosen.parts:
-            self.blocks.add(hypothesis.columns)
-        self._taken |= {h.key for h, _ in chosen.parts}
-        self._forget(set(chosen.touched))
 
     def _forget(self, joints):
         """Drop what was evaluated beside other things at some joints than are there now."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..identification import prior
-from .hypotheses import EFFECT_FACTOR
+from .hypothesis import EFFECT_FACTOR
 from .plain_functions import hats
 
 KNOTS = 16

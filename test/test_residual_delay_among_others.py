@@ -1,0 +1,82 @@
+"""A delay of a joint that does other things too: they come as late as its torque."""
+
+import numpy as np
+import pytest
+from residual_helpers import (assert_repaired, constant_friction, declared_model, diagnosed,
+                              noise_of, on, recorded, ripple, told)
+
+from hand_load_estimator.regression_system import System
+from hand_load_estimator.residual.delay_among_others import delay_among, delayed
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.hypotheses import hypotheses, of_shapes
+from hand_load_estimator.residual.hypothesis import beside_delays
+from hand_load_estimator.torque_columns import EffectUse
+
+JOINT, DELAY = 2, 0.045
+
+
+def late_with(function, times):
+    """Return an effect: joint JOINT has another effect, and all its torque comes late."""
+    other = on(JOINT, times, function)
+
+    def effect(run):
+        now, time = run.torque[:, JOINT], run.motion.stamp
+        out = np.zeros_like(run.torque)
+        out[:, JOINT] = np.interp(time - DELAY, time, now + other(run)[:, JOINT]) - now
+        return out
+    return effect
+
+
+@pytest.mark.parametrize('function, name, parameter', [
+    (ripple, 'torque_ripple', 'amplitude'),
+    (constant_friction, 'coulomb_friction', 'change_of_level')])
+def test_both_are_found_with_their_figures(function, name, parameter):
+    diagnosis, better = diagnosed(late_with(function, 6.0))
+    joint = better.robot.joints[JOINT]
+    assert told(diagnosis) == {'time_delay': (joint,), name: (joint,)}
+    found = {f.name: f.parameters for f in diagnosis.findings}
+    assert found['time_delay']['delay'][0] == pytest.approx(DELAY, rel=0.05)
+    assert found['time_delay']['share'][0] == pytest.approx(1.0, abs=0.02)
+    # RMS of a sine, and of a constant.
+    size = 6.0 * noise_of(better.robot)[JOINT] * (np.sqrt(2.0) if function is ripple else 1.0)
+    assert found[name][parameter][0] == pytest.approx(size, rel=0.1)
+    assert_repaired(diagnosis, JOINT)
+
+
+def test_the_delay_fits_best_with_what_it_delays():
+    model = declared_model()
+    residual = find_residual(model, recorded(late_with(ripple, 6.0))[:-1])
+    blocks = residual.blocks()
+    own = [h for h in hypotheses(model, residual, blocks, ()) if h.joint == JOINT]
+    delay = max((h for h in own if h.name == 'time_delay'),
+                key=lambda h: blocks.evaluate(h.columns).gain)
+    other = next(h for h in own if h.name == 'torque_ripple')
+    (other,) = of_shapes(other, [{'periods': 23.4}], model, residual)
+    moved = delay_among(delay, [other], blocks, model, residual)
+    late = beside_delays(other, delayed(residual, moved))
+    assert late.prompt is other.columns and late.shape == other.shape
+    share = float(blocks.beside(late.columns).evaluate(moved.columns).theta[0] * moved.scale[0])
+    # Of a delay this short beside so slow a ripple little more than the product shows.
+    assert share * moved.shape['shift'] == pytest.approx(DELAY, rel=0.05)
+    assert share == pytest.approx(1.0, abs=0.2)
+    together = [blocks.beside(h.columns).evaluate(moved.columns).gain
+                + blocks.evaluate(h.columns).gain for h in (other, late)]
+    assert together[1] > together[0] + 100.0
+
+
+def test_the_columns_of_a_delay_are_how_the_torque_changes_with_every_parameter():
+    model = declared_model()
+    uses = (*model.uses, EffectUse('torque_ripple', JOINT, {'periods': 23.4}),
+            EffectUse('time_delay', JOINT, {'shift': DELAY}))
+    evidence = recorded()
+    mean = np.concatenate([model.mean, [0.4, 0.1, 0.0, 0.2], [1.0]])
+
+    def torque(x):
+        # What the model says, without the linear form.
+        system = System(model.robot, uses, evidence, x)
+        return np.concatenate([e.torque for e in evidence]) - system.residual(x)
+    system = System(model.robot, uses, evidence, mean)
+    rng = np.random.default_rng(3)
+    step = 1e-4 * rng.normal(size=len(mean)) * np.maximum(np.abs(mean), 0.1)
+    np.testing.assert_allclose(torque(mean + step) - torque(mean), system.columns @ step,
+                               atol=1e-6 + 1e-3 * np.abs(system.columns @ step).max())
