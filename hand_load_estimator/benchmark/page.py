@@ -3,15 +3,12 @@
 import numpy as np
 
 from ..load import MESSAGE_ORDER
-from .contestants import BLIND, DEFAULT, FIXED, OUR_MODEL, REGRESSOR, WITHOUT_NETWORK
-from .document import Heading, Picture, Table, Text
+from .contestants import DEFAULT, FIXED, OUR_MODEL, REGRESSOR, WITHOUT_NETWORK
+from .document import Heading, Table, Text
 from .hidden_scores import hidden_blocks
-from .measure import TIMES
+from .mass_picture import mass_picture, START_UNKNOWN
 from .oracle_scores import oracle_blocks
 from .scores import rivals_of
-
-# What stands behind a bound's name, or a ratio to it, that does not know what friction was.
-_START_UNKNOWN = "friction's start unknown"
 
 
 def leading(scores):
@@ -29,7 +26,7 @@ def _mass_table(scores):
     name = leading(scores)
     ours = scores[name]
     bounds = {'': [e['bound_mass_rmse'] for e in ours],
-              f', {_START_UNKNOWN}': [e['start_unknown']['bound_mass_rmse'] for e in ours]}
+              f', {START_UNKNOWN}': [e['start_unknown']['bound_mass_rmse'] for e in ours]}
     rows += [[f'Cramer-Rao bound{which}', *(f'{1e3 * value:.1f}' for value in bound)]
              for which, bound in bounds.items()]
     rows += [[f'`{name}` over the bound{which}', *(
@@ -68,7 +65,7 @@ def _covered(figures):
 
 def _width_tables(entries):
     widths = {'': [e['width_over_bound'] for e in entries],
-              f', {_START_UNKNOWN}': [e['start_unknown']['width_over_bound'] for e in entries]}
+              f', {START_UNKNOWN}': [e['start_unknown']['width_over_bound'] for e in entries]}
     return [Table([f'width over bound{which}', *MESSAGE_ORDER], [
         [e['time'], *(f'{width[m]:.1f}' for m in MESSAGE_ORDER)]
         for e, width in zip(entries, found)]) for which, found in widths.items()]
@@ -199,26 +196,3 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
             *_offline_blocks(content.get('offline')), *_interval_blocks(scores),
             *([Heading('Trust'), _trust_table(counts)] if counts.get('mismatch') else []),
             *_cost_blocks(counts)]
-
-
-def mass_picture(scores):
-    """Return the Picture of mass RMSE over time for every method and the bounds."""
-    return Picture('mass', lambda figure: _draw_mass(figure, scores),
-                   'mass RMSE over time after motion start')
-
-
-def _draw_mass(figure, scores):
-    axes = figure.subplots()
-    for name, entries in scores.items():
-        axes.loglog(TIMES, [1e3 * e['mass']['rmse'] for e in entries[:len(TIMES)]],
-                    marker='o', linestyle='--' if name == BLIND else '-', label=name)
-    for label, line, found in (('Cramer-Rao bound', 'k:', entries), (
-            f'bound, {_START_UNKNOWN}', 'k-.', [e['start_unknown'] for e in entries])):
-        axes.loglog(TIMES, [1e3 * e['bound_mass_rmse'] for e in found[:len(TIMES)]], line,
-                    label=label)
-    axes.set(xlabel='time after motion start [s]', ylabel='mass RMSE [g]')
-    axes.set_xticks(TIMES, [f'{t:g}' for t in TIMES])
-    axes.set_xticks([], minor=True)
-    axes.set_ylim(1.0, 1.2e3 * np.max([e['mass']['rmse'] for v in scores.values() for e in v]))
-    axes.grid(True, which='major', alpha=0.4)
-    figure.legend(loc='outside lower center', ncols=2, fontsize='small')
