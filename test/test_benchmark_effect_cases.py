@@ -20,6 +20,7 @@ from hand_load_estimator.evidence import prepare
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant.hidden import EFFECTS
+from hand_load_estimator.presliding import turned
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 JOINT = 'elbow_joint'
@@ -109,7 +110,7 @@ def test_comparable_figures_are_figures_of_the_models_effects():
         known = {p for p, _ in effect.parameters} | {shape.name for shape in effect.shapes}
         if effect.derived:
             known |= set(effect.derived(np.ones(len(effect.parameters)), effect.default_shape()))
-        assert set(figures) <= known | {'angle'}, name
+        assert set(figures) <= known | {'angle', 'travel_of_reversal'}, name
 
 
 def test_what_a_diagnosis_adds_is_a_change_of_the_model():
@@ -129,6 +130,19 @@ def test_what_a_diagnosis_adds_is_a_change_of_the_model():
     assert model_change(robot, before, sprung, spring) == pytest.approx({'stiffness': 5.0})
     assert model_change(robot, sprung, before, spring) == pytest.approx({'stiffness': -5.0})
     assert model_change(robot, before, after, {'name': 'load_change'}) == {}
+
+
+@pytest.mark.parametrize('power', [1.0, 3.0, np.inf])
+def test_a_reversal_of_the_model_is_the_travel_after_which_it_has_turned(power):
+    before = exact_model('four')
+    (place, use), = [(k, u) for k, u in enumerate(before.uses)
+                     if u.name == 'presliding_hysteresis' and u.joint == 1]
+    longer = replace(use, shape={'presliding_distance': 0.02, 'power': power})
+    after = replace(before, uses=(*before.uses[:place], longer, *before.uses[place + 1:]))
+    entry = {'name': 'presliding_hysteresis', 'joints': [before.robot.joints[1]]}
+    travel = model_change(before.robot, before, after, entry)['travel_of_reversal'] \
+        + np.log(40.0) * use.shape['presliding_distance']
+    assert turned(np.array([-1.0]), np.array([travel]), 0.02, power) == pytest.approx(0.95)
 
 
 def test_a_figure_is_stated_as_a_change_where_the_model_had_the_effect():

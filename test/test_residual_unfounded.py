@@ -15,7 +15,8 @@ from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.trace import Trace
-from hand_load_estimator.residual.unfounded import faint_in, of_another_kind
+from hand_load_estimator.residual.unfounded import (EXACT, faint_in, of_another_kind,
+                                                    small_beside_others)
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
@@ -110,3 +111,31 @@ def test_a_new_effect_with_a_shape_is_nothing_where_its_figures_are():
     mean = better.mean.copy()
     mean[next(where for use, where in better.slices() if use.name == 'torque_ripple')] = 0.0
     assert faint_in(model, replace(better, mean=mean), trace) == {('torque_ripple', JOINTS[1:2])}
+
+
+@pytest.mark.parametrize('share, joints, sure', [
+    (0.9 * EXACT ** 2, JOINTS[1:2], False), (1.1 * EXACT ** 2, JOINTS[1:2], True),
+    (0.9 * EXACT ** 2, JOINTS[2:3], True)])
+def test_what_is_small_beside_another_at_its_joint_may_be_its_rest(share, joints, sure):
+    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e5))
+    small = replace(finding('stribeck_friction', {}, joints),
+                    evidence=replace(EVIDENCE, gain=share * 1e5))
+    found, told = small_beside_others((large, small))
+    assert found[0] is large and found[1].verdict == (CONFIRMED if sure else SUSPECTED)
+    assert told == () if sure else told[0].startswith(
+        f'{JOINTS[1]}: stribeck_friction is only suspected: what it explains is less than 5 % of '
+        'the torque of time_delay there')
+
+
+def test_a_cause_of_all_joints_is_large_at_each_by_its_part():
+    everywhere = replace(finding('base_tilt', {}, JOINTS), evidence=replace(EVIDENCE, gain=4e5))
+    for gain, verdict in ((0.9 * 250.0, SUSPECTED), (1.1 * 250.0, CONFIRMED)):
+        small = replace(finding('cable_drag', {}), evidence=replace(EVIDENCE, gain=gain))
+        assert small_beside_others((small, everywhere))[0][0].verdict == verdict
+
+
+def test_what_is_only_suspected_makes_nothing_small():
+    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e5),
+                    verdict=SUSPECTED)
+    small = finding('stribeck_friction', {})
+    assert small_beside_others((large, small)) == ((large, small), ())

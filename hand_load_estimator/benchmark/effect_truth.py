@@ -74,7 +74,7 @@ COMPARABLE = {
     'load_dependent_friction': {'coefficient': _of_joint('load_share', 'friction')},
     'temperature_dependent_viscous_friction': {'slope': _of_joint('viscous_slope', 'friction')},
     'temperature_dependent_coulomb_friction': {'slope': _of_joint('coulomb_slope', 'friction')},
-    'presliding_hysteresis': {'presliding_distance': _of_joint('presliding', 'friction')},
+    'presliding_hysteresis': {'travel_of_reversal': _of_joint('presliding', 'friction')},
     'torque_ripple': {'amplitude': _amplitude, 'periods': _periods},
     'torque_scale': {'gain': _gain},
     'torque_scale_temperature': {'slope': _of_joint('effort_gain_slope')},
@@ -132,5 +132,14 @@ def _figures(model, name, joint):
             out.update({p: float(v) for p, (v, _) in derived.items()})
         if name == 'base_tilt':
             out['angle'] = float(np.linalg.norm(values))
+        if name == 'presliding_hysteresis':
+            out['travel_of_reversal'] = _reversal(**use.shape)
         return out
     return {}
+
+
+def _reversal(presliding_distance, power=np.inf):
+    """Return the travel [rad] from one level to 95 % of the other; presliding.turned solved."""
+    if np.isinf(power):
+        return presliding_distance * np.log(2.0 / 0.05)
+    return presliding_distance * power * (2.0 ** (1.0 / power) - 0.05 ** (1.0 / power))

@@ -32,7 +32,7 @@ from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
 from .time_left import long_loads, many_rejected, refuse_too_short
 from .trace import Trace
-from .unfounded import faint_in, of_another_kind
+from .unfounded import faint_in, of_another_kind, small_beside_others
 from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
@@ -131,9 +131,10 @@ def _found(models, residual, traced, outside, errors):
     findings, doubts = refuted(findings, joints, *errors)
     findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
+    findings, small = small_beside_others(findings)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + doubts
+    return findings, wrong + kinds + small + doubts
 
 
 def _residual(model, evidence):

@@ -72,6 +72,10 @@ class Together:
             return ()
         pairs = [Pair(c, other) for c in self._singles if c.name != chosen.name
                  for other in self._named(c)[:PARTNERS] if other.name != chosen.name]
+        # What comes late is searched with the delay: beside what it looks like undelayed, none is.
+        delay = next((c for c in self._singles if c.name == LATE), None)
+        if delay is not None and chosen.name not in (LATE, UNKNOWN):
+            pairs.append(self._finished(Pair(delay, chosen)))
         best = self._best(pairs)
         # Every pair is a trial, too.
         if best is None or not self._better(best.both, chosen, next_best,

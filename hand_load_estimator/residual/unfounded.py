@@ -5,7 +5,8 @@ A hypothesis is asked what physics allows of it; estimated together with everyth
 figures may become others. A share of a delay is no delay, and a peak of friction below the slowest
 motion that tells friction is known by its tail only, one that has not fallen at the fastest is a
 level. What was found beside the torque of the model as it was, late or misread, may be nothing
-beside the torque as it is.
+beside the torque as it is; and what is small beside another a rest that the formula of that
+leaves.
 """
 
 from dataclasses import replace
@@ -14,6 +15,9 @@ from ..effects import EFFECTS
 from .candidate import SIGMAS
 from .diagnosis import CONFIRMED, SUSPECTED
 from .hypothesis import WHOLE
+
+# [-] of a large effect's torque that its formula may leave; nats go with the square of it.
+EXACT = 0.05
 
 
 def of_another_kind(findings, faint=()):
@@ -55,6 +59,35 @@ def _nothing(finding, faint):
         return ''
     return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: estimated together '
             'with everything else it moves less torque than matters beside the noise')
+
+
+def small_beside_others(findings):
+    """
+    Return (Findings, sentences): suspected is what gains too little beside others at its joints.
+
+    No formula is exact: a large effect leaves a rest, which another effect may look like.
+    """
+    said = [_small(finding, findings) for finding in findings]
+    return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
+            tuple(why for why in said if why))
+
+
+def _small(finding, findings):
+    """Return in words that a Finding is small beside another at one of its joints, or ''."""
+    if finding.verdict != CONFIRMED:
+        return ''
+    others = [f for f in findings if f is not finding and f.verdict == CONFIRMED
+              and set(f.joints) & set(finding.joints)]
+    large = max(others, key=_gain_of_a_joint, default=None)
+    if large is None or not _gain_of_a_joint(finding) < EXACT ** 2 * _gain_of_a_joint(large):
+        return ''
+    return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: what it explains is '
+            f'less than {100.0 * EXACT:g} % of the torque of {large.name} there, which may be a '
+            'rest of that')
+
+
+def _gain_of_a_joint(finding):
+    return finding.evidence.gain / len(finding.joints)
 
 
 def faint_in(model, better, trace):
