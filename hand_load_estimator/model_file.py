@@ -74,9 +74,9 @@ def model_content(model):
                  'joints': list(robot.joints) if whole else [robot.joints[use.joint]],
                  'parameters': parameters}
         if use.told_shape:
-            entry['shape'] = use.told_shape
+            entry['shape'] = {name: float(v) for name, v in use.told_shape.items()}
         if use.shape_std:
-            entry['shape_std'] = use.shape_std
+            entry['shape_std'] = {name: float(v) for name, v in use.shape_std.items()}
         effects.append(entry)
     scale = np.where(std > 0.0, std, 1.0)
     correlation = model.covariance / np.outer(scale, scale)

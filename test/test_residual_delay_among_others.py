@@ -5,6 +5,7 @@ import pytest
 from residual_helpers import (assert_repaired, constant_friction, declared_model, diagnosed,
                               noise_of, on, recorded, ripple, told)
 
+from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.regression_system import System
 from hand_load_estimator.residual.delay_among_others import delay_among, delayed
 from hand_load_estimator.residual.find import find_residual
@@ -30,7 +31,7 @@ def late_with(function, times):
 @pytest.mark.parametrize('function, name, parameter', [
     (ripple, 'torque_ripple', 'amplitude'),
     (constant_friction, 'coulomb_friction', 'change_of_level')])
-def test_both_are_found_with_their_figures(function, name, parameter):
+def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     diagnosis, better = diagnosed(late_with(function, 6.0))
     joint = better.robot.joints[JOINT]
     assert told(diagnosis) == {'time_delay': (joint,), name: (joint,)}
@@ -41,6 +42,8 @@ def test_both_are_found_with_their_figures(function, name, parameter):
     size = 6.0 * noise_of(better.robot)[JOINT] * (np.sqrt(2.0) if function is ripple else 1.0)
     assert found[name][parameter][0] == pytest.approx(size, rel=0.1)
     assert_repaired(diagnosis, JOINT)
+    write_model(tmp_path / 'model.yaml', better)
+    assert read_model(tmp_path / 'model.yaml').uses == better.uses
 
 
 def test_the_delay_fits_best_with_what_it_delays():
