@@ -15,6 +15,7 @@ from hand_load_estimator.benchmark.share import wilson
 
 def test_rows_are_exact():
     rows = {(row['name'], row['strength']): row for row in effect_rows(results())}
+    assert list(rows) == sorted(rows)
     assert set(rows) == {('time_delay', 2.0), ('time_delay', 0.5), ('swinging_load', 2.0),
                          ('cable_drag', 5.0)}
     row = rows['time_delay', 2.0]

@@ -64,13 +64,13 @@ def _of_kind(results, kind):
 
 
 def effect_rows(results):
-    """Return a row of figures per effect and strength of the single and outside cases."""
+    """Return a row of figures per effect and strength, sorted, of single and outside cases."""
     rows, groups = [], {}
     for result in tried(results):
         if result['kind'] in (SINGLE, OUTSIDE):
             (effect,) = result['effects']
             groups.setdefault((effect['name'], effect['strength']), []).append(result)
-    for (name, strength), group in groups.items():
+    for (name, strength), group in sorted(groups.items()):
         rows.append({'name': name, 'strength': strength, **_outcomes(group), **_errors(group)})
     return rows
 
