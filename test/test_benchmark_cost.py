@@ -50,11 +50,12 @@ def test_every_joint_state_is_timed_and_samples_are_as_before():
     np.testing.assert_array_equal([s.effort for s in plain], [s.effort for s in samples])
 
 
-def test_a_method_on_a_learned_difference_has_its_cost(monkeypatch):
-    """On the difference shipped for the model; 50 samples are warm-up."""
+@pytest.mark.parametrize('method', ['gp_bayes', 'gru_subset'])
+def test_a_method_with_an_artefact_of_its_own_has_its_cost(monkeypatch, method):
+    """On the difference, or of the joints, shipped for the model; 50 samples are warm-up."""
     monkeypatch.setattr(cases, 'DURATION', 2.0)
-    found = cost.measure_cost('ur10e', 'gp_bayes', None)
-    assert found['name'] == 'gp_bayes'
+    found = cost.measure_cost('ur10e', method, None)
+    assert found['name'] == method
     assert found['cost']['mean'] > found['regressor']['mean'] > 0.0
     assert found['joint_state']['mean'] > 0.0
 

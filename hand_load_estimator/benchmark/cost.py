@@ -47,13 +47,13 @@ def measure_cost(robot_name, method, learned):
     samples = list(stream_samples(robot, case_events(robot, case), stream))
     clock, before = RegressorClock(robot), resident_mib()
     racing = our_contestants(model, (method,), learned, {'gp': shipped_difference(model)})
-    built, (contestant,) = resident_mib(), racing.values()
+    built, ((ran, contestant),) = resident_mib(), racing.items()
     for k, sample in enumerate(samples):
         clock.update(sample)
         contestant.update(sample)
         if k == _WARM_UP:
             warm = resident_mib()
-    return {'name': contestant.method.name, 'cost': cost_of(contestant.times[_WARM_UP:]),
+    return {'name': ran, 'cost': cost_of(contestant.times[_WARM_UP:]),
             'regressor': cost_of(clock.times[_WARM_UP:]),
             'joint_state': cost_of(stream.times[_WARM_UP:]), 'start_mib': built - before,
             'growth_mib': resident_mib() - warm}
