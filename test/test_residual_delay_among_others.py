@@ -42,6 +42,9 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     size = 6.0 * noise_of(better.robot)[JOINT] * (np.sqrt(2.0) if function is ripple else 1.0)
     assert found[name][parameter][0] == pytest.approx(size, rel=0.1)
     assert_repaired(diagnosis, JOINT)
+    if function is ripple:
+        # Beside the delay, as it was found.
+        assert 0.003 < found[name]['periods'][1] < 0.03
     write_model(tmp_path / 'model.yaml', better)
     assert read_model(tmp_path / 'model.yaml').uses == better.uses
 

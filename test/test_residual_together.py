@@ -25,7 +25,7 @@ def traced():
 def search(trace, allowed=lambda hypothesis, score: True):
     singles = [c for c in trace._singles() if c.joints == [1] and c.name != 'base_tilt']
     return {c.name: c for c in singles}, Together(
-        trace._model, trace._residual, (), trace.blocks, 1, set(), singles, allowed)
+        trace._model, trace.residual, (), trace.blocks, 1, set(), singles, allowed)
 
 
 def names(steps):

@@ -14,6 +14,7 @@ from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.hypothesis import Hypothesis, looks_like_another
 from hand_load_estimator.residual.trace import Trace
 from hand_load_estimator.residual.unfounded import (EXACT, faint_in, of_another_kind,
                                                     small_beside_others)
@@ -132,6 +133,26 @@ def test_a_cause_of_all_joints_is_large_at_each_by_its_part():
     for gain, verdict in ((0.9 * 250.0, SUSPECTED), (1.1 * 250.0, CONFIRMED)):
         small = replace(finding('cable_drag', {}), evidence=replace(EVIDENCE, gain=gain))
         assert small_beside_others((small, everywhere))[0][0].verdict == verdict
+
+
+@pytest.mark.parametrize('once', ['large', 'small'])
+def test_what_happened_once_leaves_no_rest_and_is_none(once):
+    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e6))
+    small = finding('stribeck_friction', {})
+    found = [replace(f, name='external_contact', recording='one') if which == once else f
+             for which, f in (('large', large), ('small', small))]
+    assert small_beside_others(tuple(found)) == (tuple(found), ())
+
+
+@pytest.mark.parametrize('name', sorted(EFFECTS))
+def test_no_effect_stands_at_the_end_of_its_shape_as_it_is_declared(name):
+    effect = EFFECTS[name]
+    plain = Hypothesis(name, 0, {}, np.ones(len(effect.parameters)), effect.default_shape())
+    assert not looks_like_another(plain)
+    for shape in effect.shapes:
+        if np.isfinite(shape.most):
+            ended = replace(plain, shape={**plain.shape, shape.name: shape.most})
+            assert looks_like_another(ended)
 
 
 def test_what_is_only_suspected_makes_nothing_small():

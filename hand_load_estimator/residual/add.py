@@ -83,6 +83,7 @@ def _prior(model, uses, changed, own):
             places += range(before.start, before.stop)
     mean[rows] = model.mean[places]
     covariance[np.ix_(rows, rows)] = WIDER ** 2 * model.covariance[np.ix_(places, places)]
+    mean, covariance = _of_shifts(mean, covariance, robot.n, model.uses, uses)
     wide = np.diag(wide)
     for use, where in new.slices():
         free = (use.name, use.joint) in changed or (use.name, use.joint) not in old
@@ -117,6 +118,16 @@ def _before(use, own):
                                                   in use.shape_std.items()})
 
 
+def _of_shifts(mean, covariance, n, before, uses):
+    """Return mean (P,) and covariance of delays' shares with other shifts: the same delays."""
+    shifts = {use.joint: use.shape['shift'] for use in before if use.name == LATE}
+    factor = np.ones(len(mean))
+    for use, where in effect_slices(n, uses):
+        if use.name == LATE and use.joint in shifts:
+            factor[where] = shifts[use.joint] / use.shape['shift']
+    return factor * mean, np.outer(factor, factor) * covariance
+
+
 def _with_whole_delays(n, uses, x, covariance):
     """
     Return uses and x (P,) with the delays that make each share a whole one.
@@ -136,16 +147,17 @@ def _with_whole_delays(n, uses, x, covariance):
             continue
         x[numbers] = 1.0
         for k, _ in those if share else ():
-            uses[k] = replace(uses[k], shape={'shift': shift * share})
+            uses[k] = replace(uses[k], shape={'shift': float(shift * share)})
     return tuple(uses), x
 
 
 def _identified(model, declared, before, evidence, own):
-    (uses, links), (mean, covariance) = declared, before
-    known = tuple(_before(use, own) for use in uses)
+    (asked, links), (mean, covariance) = declared, before
+    known = tuple(_before(use, own) for use in asked)
     robot, residuals = model.robot, model.residuals
     # From a share of nothing the first turn would take a delay for something else.
-    uses, x = _with_whole_delays(robot.n, uses, mean, covariance)
+    uses, x = _with_whole_delays(robot.n, asked, mean, covariance)
+    mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     intensity, friction = residuals.intensity, model.friction_level()
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for turn in range(TURNS):
@@ -162,6 +174,7 @@ def _identified(model, declared, before, evidence, own):
             intensity = np.maximum(intensity, SHOWN * residuals.intensity)
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, x, posterior)
+            mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     rmse, drift = rmse_of(robot, system, left_out.residual), residuals.drift
     if own:
         drift = drift_of(system, left_out.residual, weights)

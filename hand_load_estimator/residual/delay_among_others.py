@@ -20,9 +20,9 @@ CLOSE = 2e-3
 
 
 def delayed(residual, hypothesis):
-    """Return the Residual of joints whose torque comes late by what a Hypothesis says."""
-    return replace(residual, delays={
-        **residual.delays, **dict.fromkeys(hypothesis.columns, hypothesis.shape['shift'])})
+    """Return the Residual of joints whose torque comes later by what a Hypothesis says."""
+    return replace(residual, delays={**residual.delays, **{
+        j: residual.declared.get(j, 0.0) + hypothesis.shape['shift'] for j in hypothesis.columns}})
 
 
 def delay_among(hypothesis, others, blocks, model, residual):

@@ -125,7 +125,7 @@ def _found(models, residual, traced, outside, errors):
     (model, better), (trace, rest), joints = models, traced, models[0].robot.joints
     left = unexplained_joints(residual, rest)
     odd = left + trace.unexplained()
-    findings = findings_of(model, better, residual, trace, odd) \
+    findings = findings_of(model, better, trace, odd) \
         + disturbance_findings(model.robot, *outside, odd) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)

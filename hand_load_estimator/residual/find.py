@@ -16,6 +16,7 @@ from ..torque_columns import (as_reported, EffectUse, gear_torque, lateness, mot
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT
+from .hypothesis import LATE
 from .repeats import first_shown
 
 # Information, in units of the prior's, from which on a direction of the parameters counts.
@@ -40,7 +41,7 @@ class Residual:
     where joints slide; sliding (N, n): where they slide by the watch's stricter measure
     (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
     by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays {joint: [s]}:
-    how late a joint was found to report its torque.
+    how late a joint was found to report its torque, declared what the model says of that.
     """
 
     x: EffectInput
@@ -58,6 +59,7 @@ class Residual:
     expected: np.ndarray
     noise: np.ndarray
     delays: dict = field(default_factory=dict)
+    declared: dict = field(default_factory=dict)
     _paths: dict = field(default_factory=dict)
 
     @property
@@ -137,9 +139,16 @@ def find_residual(model, evidence, cut=True):
         x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
-    delays = {use.joint: use.shape['shift'] for use in model.uses if use.name == 'time_delay'}
-    return Residual(x, owner=owner, cut=pieces, noise=noise, delays=delays,
+    own = declared_delays(model)
+    return Residual(x, owner=owner, cut=pieces, noise=noise, delays=own, declared=own,
                     expected=_expected(model, joined['columns'], x), **joined)
+
+
+def declared_delays(model):
+    """Return {joint: delay [s]} that a TorqueModel states; a share of nothing is none."""
+    shares = {use.joint: (float(model.mean[where.start]), use.shape['shift'])
+              for use, where in model.slices() if use.name == LATE}
+    return {j: share * shift for j, (share, shift) in shares.items() if share > 0.0}
 
 
 def _joined_input(parts):

@@ -19,7 +19,7 @@ _WORSE = 1.02
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
 
 
-def findings_of(model, better, residual, trace, odd=()):
+def findings_of(model, better, trace, odd=()):
     """
     Return the Findings of a finished Trace.
 
@@ -30,8 +30,8 @@ def findings_of(model, better, residual, trace, odd=()):
     for step in trace.steps:
         blocks = trace.beside(step)
         again = evaluated(step.chosen, blocks)
-        found.append(_finding((model, better), residual, trace, step, again,
-                              blocks, odd, _shape_std(again, blocks, model, residual)))
+        found.append(_finding((model, better), trace.residual, trace, step, again, blocks, odd,
+                              _shape_std(again, blocks, model, trace.residual)))
     return tuple(found)
 
 

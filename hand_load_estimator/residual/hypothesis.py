@@ -73,9 +73,9 @@ def turns(hypothesis):
 
 def looks_like_another(hypothesis):
     """Tell whether a shape stands at an end, beyond which no motion shows what it is."""
-    return any(hypothesis.shape.get(s.name, s.default) >= s.most or s.unit == 'rad/s'
-               and hypothesis.shape.get(s.name, s.default) <= s.least
-               for s in EFFECTS[hypothesis.name].shapes) if hypothesis.shape else False
+    there = searched(hypothesis)
+    return any(there[s.name] >= s.most or s.unit == 'rad/s' and there[s.name] <= s.least
+               for s in EFFECTS[hypothesis.name].shapes if s.name in there) if there else False
 
 
 def whole(share, std):

@@ -71,7 +71,8 @@ class Trace:
         return self._found.drifted
 
     @property
-    def _residual(self):
+    def residual(self):
+        """The Residual with the delays found."""
         return self._found.residual
 
     @property
@@ -149,12 +150,12 @@ class Trace:
         if not self.declared(candidate):
             return False
         rms = np.sqrt(np.mean(candidate.torque(self._model.robot.n) ** 2, axis=0))
-        return bool((rms < UNEXPECTED * self._residual.expected).all())
+        return bool((rms < UNEXPECTED * self.residual.expected).all())
 
     def matters(self, candidate):
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
-        times = np.sqrt(np.mean(torque ** 2, axis=0)) / self._residual.noise
+        times = np.sqrt(np.mean(torque ** 2, axis=0)) / self.residual.noise
         least = UNKNOWN_RMS if candidate.name == UNKNOWN else LEAST_RMS
         # What joints have in common they show together.
         return bool((np.linalg.norm(times) if candidate.common else times.max()) >= least)
@@ -182,7 +183,7 @@ class Trace:
             return ()
         j, = chosen.joints
         singles = [c for c in self._singles() if c.joints == [j] and c.name != 'base_tilt']
-        together = Together(self._model, self._residual, self._warmed, self.blocks, j,
+        together = Together(self._model, self.residual, self._warmed, self.blocks, j,
                             self._taken, singles, self._allowed)
         return together.instead_of(chosen, needed, self.matters)
 
@@ -192,7 +193,7 @@ class Trace:
     def _step(self, best, ranked, needed):
         if best.name == 'base_tilt':
             # It moves all joints: what might do the same is all links, not one of them.
-            links = all_links(self._model, self._residual)
+            links = all_links(self._model, self.residual)
             ranked = [*ranked, in_common(links, self.blocks.evaluate(links.columns))]
         return chosen_step(best, ranked, needed, self._singles())
 
@@ -249,7 +250,7 @@ class Trace:
 
     def _evaluate(self):
         """Evaluate what is not up to date, the best shape of each cause."""
-        fresh, tried = best_of_each(hypotheses(self._model, self._residual, self.blocks,
+        fresh, tried = best_of_each(hypotheses(self._model, self.residual, self.blocks,
                                                self._warmed, self._scores), self.blocks)
         for key, pair in fresh.items():
             fresh[key], more = self._refined(*pair)
@@ -260,12 +261,12 @@ class Trace:
     def _refined(self, hypothesis, score):
         """Return the pair with its shape searched between the grid's values, number of trials."""
         if score.gain >= LEAST_GAIN and hypothesis.name == 'base_tilt':
-            exact = turned(hypothesis, score, self._model, self._residual)
+            exact = turned(hypothesis, score, self._model, self.residual)
             return max([(hypothesis, score), (exact, self.blocks.evaluate(exact.columns))],
                        key=lambda pair: pair[1].gain), 1
         if score.gain < LEAST_GAIN:
             return (hypothesis, score), 0
-        return search_around((hypothesis, score), self.blocks, self._model, self._residual)
+        return search_around((hypothesis, score), self.blocks, self._model, self.residual)
 
     def _forget(self, joints):
         """Drop what was evaluated beside other things at some joints than are there now."""

@@ -65,7 +65,8 @@ def small_beside_others(findings):
     """
     Return (Findings, sentences): suspected is what gains too little beside others at its joints.
 
-    No formula is exact: a large effect leaves a rest, which another effect may look like.
+    No formula is exact: a large effect leaves a rest, which another effect may look like. What
+    happened once is cut out with its recording, and leaves none.
     """
     said = [_small(finding, findings) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
@@ -74,10 +75,10 @@ def small_beside_others(findings):
 
 def _small(finding, findings):
     """Return in words that a Finding is small beside another at one of its joints, or ''."""
-    if finding.verdict != CONFIRMED:
+    lasting = [f for f in findings if f.verdict == CONFIRMED and not f.recording]
+    if not any(f is finding for f in lasting):
         return ''
-    others = [f for f in findings if f is not finding and f.verdict == CONFIRMED
-              and set(f.joints) & set(finding.joints)]
+    others = [f for f in lasting if f is not finding and set(f.joints) & set(finding.joints)]
     large = max(others, key=_gain_of_a_joint, default=None)
     if large is None or not _gain_of_a_joint(finding) < EXACT ** 2 * _gain_of_a_joint(large):
         return ''

@@ -1,0 +1,66 @@
+"""A delay that the model declares is kept, and grows, in seconds, whatever share and shift say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from residual_helpers import declared_model, diagnosed, noise_of, recorded, told
+
+from hand_load_estimator.residual.add import identified_again
+from hand_load_estimator.residual.find import declared_delays
+from hand_load_estimator.torque_columns import EffectUse
+from hand_load_estimator.torque_model import TorqueModel
+
+JOINT = 2
+
+
+def delaying(share, shift, std=0.02):
+    """Return declared_model with a delay of one joint, of which a share comes late."""
+    model = declared_model()
+    count = len(model.mean)
+    covariance = np.zeros((count + 1, count + 1))
+    covariance[:count, :count], covariance[count, count] = model.covariance, std ** 2
+    uses = (*model.uses, EffectUse('time_delay', JOINT, {'shift': shift}))
+    return TorqueModel(model.robot, uses, False, np.append(model.mean, share), covariance,
+                       model.residuals, model.recordings, model.temperatures)
+
+
+def late_by(delay):
+    """Return an effect: one joint reports its torque late."""
+    def effect(run):
+        now, time = run.torque[:, JOINT], run.motion.stamp
+        out = np.zeros_like(run.torque)
+        out[:, JOINT] = np.interp(time - delay, time, now) - now
+        return out
+    return effect
+
+
+@pytest.mark.parametrize('share', [1.0, 0.98, 0.8, 0.7])
+def test_a_joint_that_tells_nothing_keeps_its_delay(share):
+    evidence = recorded()[0]
+    silent = np.zeros(evidence.torque.shape, bool)
+    silent[:, JOINT] = True
+    model = delaying(share, 0.02)
+    again = identified_again(model, model.uses, (replace(evidence, clipped=silent),))
+    assert declared_delays(again) == {JOINT: pytest.approx(share * 0.02, rel=1e-6)}
+
+
+@pytest.mark.parametrize('std', [0.005, 0.1])
+def test_a_right_delay_is_confirmed_by_data_and_not_taken_twice(std):
+    model = delaying(0.8, 0.02, std)
+    again = identified_again(model, model.uses, recorded(late_by(0.016))[:1])
+    assert declared_delays(again) == {JOINT: pytest.approx(0.016, rel=0.03)}
+
+
+def test_a_delay_that_grew_is_told_as_a_whole():
+    diagnosis, better = diagnosed(late_by(0.045), model=delaying(1.0, 0.02))
+    assert told(diagnosis) == {'time_delay': better.robot.joints[JOINT:JOINT + 1]}
+    (finding,) = diagnosis.findings
+    assert finding.parameters['delay'][0] == pytest.approx(0.045, rel=0.05)
+    assert finding.parameters['share'][0] == pytest.approx(1.0, abs=0.02)
+    assert diagnosis.after[JOINT] < 1.05 * noise_of(better.robot)[JOINT]
+
+
+@pytest.mark.parametrize('share, late', [(0.8, {JOINT: 0.016}), (0.0, {}), (-0.2, {})])
+def test_a_share_of_nothing_is_no_delay(share, late):
+    assert declared_delays(delaying(share, 0.02)) == pytest.approx(late)
