@@ -115,11 +115,11 @@ def test_presliding_enters_a_model_that_had_none():
     model = declared_model(0.01, names)
     hypothesis = step_of('presliding_hysteresis', 1,
                          {'presliding_distance': 2e-3}).chosen.parts[0][0]
-    uses = with_effect(model, hypothesis)
+    uses = with_effect(model.uses, hypothesis, {})
     assert [(u.joint, u.shape) for u in uses if u.name == 'presliding_hysteresis'] \
         == [(1, {'presliding_distance': 2e-3, 'power': np.inf})]
     # A model that has it keeps one, with the new travel.
-    uses = with_effect(declared_model(), hypothesis)
+    uses = with_effect(declared_model().uses, hypothesis, {})
     assert [u.shape['presliding_distance'] for u in uses if u.name == 'presliding_hysteresis'
             and u.joint == 1] == [2e-3]
     assert len(effect_slices(4, uses)) == len(declared_model().uses)

@@ -25,12 +25,12 @@ def delaying(share, shift, std=0.02):
                        model.residuals, model.recordings, model.temperatures)
 
 
-def late_by(delay):
+def late_by(delay, joint=JOINT):
     """Return an effect: one joint reports its torque late."""
     def effect(run):
-        now, time = run.torque[:, JOINT], run.motion.stamp
+        now, time = run.torque[:, joint], run.motion.stamp
         out = np.zeros_like(run.torque)
-        out[:, JOINT] = np.interp(time - delay, time, now) - now
+        out[:, joint] = np.interp(time - delay, time, now) - now
         return out
     return effect
 
@@ -64,3 +64,12 @@ def test_a_delay_that_grew_is_told_as_a_whole():
 @pytest.mark.parametrize('share, late', [(0.8, {JOINT: 0.016}), (0.0, {}), (-0.2, {})])
 def test_a_share_of_nothing_is_no_delay(share, late):
     assert declared_delays(delaying(share, 0.02)) == pytest.approx(late)
+
+
+def test_delays_of_other_joints_may_come_beside_one_that_grew():
+    def effect(run):
+        return late_by(0.045)(run) + late_by(0.03, 1)(run)
+    diagnosis, better = diagnosed(effect, model=delaying(1.0, 0.02))
+    assert told(diagnosis) == {'time_delay': better.robot.joints[1:3]}
+    assert declared_delays(better) == {1: pytest.approx(0.03, rel=0.1),
+                                       JOINT: pytest.approx(0.045, rel=0.1)}

@@ -13,6 +13,7 @@ from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN
+from .find import declared_delays
 from .hypotheses import with_effect
 from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LATE, LINK_FACTOR
 from .known_recordings import made_from
@@ -34,14 +35,14 @@ def better_model(model, steps, evidence):
     The old model's mean and covariance are the prior (eq. 11), except where all recordings are
     among those it was made from: then the robot file's. An `unknown` effect adds nothing.
     """
-    uses = model.uses
+    uses, delays = model.uses, declared_delays(model)
     changed = set()
     for step in steps:
         for hypothesis, _ in step.chosen.parts:
             if hypothesis.name in (UNKNOWN, 'link_inertia'):
                 changed.add((hypothesis.name, hypothesis.joint))
                 continue
-            uses = with_effect(replace(model, uses=uses), hypothesis)
+            uses = with_effect(uses, hypothesis, delays)
             changed.add((hypothesis.name, hypothesis.joint))
             changed |= _perhaps_too(model, step, hypothesis)
     return identified_again(model, uses, evidence, changed)

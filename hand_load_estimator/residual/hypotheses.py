@@ -11,7 +11,7 @@ from ..effects.own_travel import OWN_TRAVEL
 from ..effects.stribeck_friction import VELOCITY_RANGE
 from ..identification import prior
 from .diagnosis import UNKNOWN
-from .find import declared_delays, use_of
+from .find import use_of
 from .hypothesis import (beside_delays, EFFECT_FACTOR, Hypothesis, LATE, LINK_FACTOR,
                          searched)
 from .leaning_base import tilted
@@ -247,15 +247,19 @@ def _of_link(residual, j, std):
                                           for i in range(j + 1)}, scale)
 
 
-def with_effect(model, hypothesis):
-    """Return the uses of a model that declares the hypothesis too, with its shape."""
-    uses = list(model.uses)
+def with_effect(uses, hypothesis, delays):
+    """
+    Return EffectUses that declare the hypothesis too, with its shape.
+
+    delays: {joint: delay [s]} of the model that it was found with.
+    """
+    uses = list(uses)
     for k, use in enumerate(uses):
         if (use.name, use.joint) == (hypothesis.name, hypothesis.joint):
             shape = {**use.shape, **hypothesis.shape}
             if use.name == LATE:
                 # What is found comes later still than the model says.
-                shape['shift'] += declared_delays(model).get(use.joint, 0.0)
+                shape['shift'] += delays.get(use.joint, 0.0)
             uses[k] = replace(use, shape=shape,
                               shape_std=use.shape_std if shape == use.shape else {})
             return tuple(uses)
