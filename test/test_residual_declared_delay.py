@@ -7,7 +7,7 @@ import pytest
 from residual_helpers import declared_model, diagnosed, noise_of, recorded, told
 
 from hand_load_estimator.residual.add import identified_again
-from hand_load_estimator.residual.find import declared_delays
+from hand_load_estimator.residual.find import declared_delays, find_residual
 from hand_load_estimator.torque_columns import EffectUse
 from hand_load_estimator.torque_model import TorqueModel
 
@@ -64,6 +64,16 @@ def test_a_delay_that_grew_is_told_as_a_whole():
 @pytest.mark.parametrize('share, late', [(0.8, {JOINT: 0.016}), (0.0, {}), (-0.2, {})])
 def test_a_share_of_nothing_is_no_delay(share, late):
     assert declared_delays(delaying(share, 0.02)) == pytest.approx(late)
+
+
+def test_what_a_joint_does_is_searched_as_late_as_its_model_says():
+    residual = find_residual(delaying(0.8, 0.05), recorded()[:1])
+    assert residual.delays == residual.declared == {JOINT: pytest.approx(0.04)}
+    step = np.repeat([0.0, 1.0], [200, len(residual.dt) - 200])[:, None]
+    (late,) = residual.reported({JOINT: step}).values()
+    # At 50 Hz two samples later; other joints at once.
+    np.testing.assert_allclose(late[:, 0], np.roll(step[:, 0], 2) * (np.arange(len(late)) > 1))
+    assert residual.reported({0: step})[0] is step
 
 
 def test_delays_of_other_joints_may_come_beside_one_that_grew():
