@@ -114,13 +114,19 @@ def test_a_new_effect_with_a_shape_is_nothing_where_its_figures_are():
     assert faint_in(model, replace(better, mean=mean), trace) == {('torque_ripple', JOINTS[1:2])}
 
 
-@pytest.mark.parametrize('share, joints, sure', [
-    (0.9 * EXACT ** 2, JOINTS[1:2], False), (1.1 * EXACT ** 2, JOINTS[1:2], True),
-    (0.9 * EXACT ** 2, JOINTS[2:3], True)])
-def test_what_is_small_beside_another_at_its_joint_may_be_its_rest(share, joints, sure):
-    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e5))
-    small = replace(finding('stribeck_friction', {}, joints),
-                    evidence=replace(EVIDENCE, gain=share * 1e5))
+def gaining(name, by_joint, **keywords):
+    """Return a confirmed Finding that gains {joint index: nats}; needed are 30."""
+    found = finding(name, {}, [JOINTS[j] for j in by_joint], **keywords)
+    return replace(found, evidence=replace(
+        EVIDENCE, gain=sum(by_joint.values()),
+        by_joint={JOINTS[j]: gain for j, gain in by_joint.items()}))
+
+
+@pytest.mark.parametrize('share, joint, sure', [
+    (0.9 * EXACT ** 2, 1, False), (1.1 * EXACT ** 2, 1, True), (0.9 * EXACT ** 2, 2, True)])
+def test_what_is_small_beside_another_at_its_joint_may_be_its_rest(share, joint, sure):
+    large = gaining('time_delay', {1: 1e5})
+    small = gaining('stribeck_friction', {joint: share * 1e5})
     found, told = small_beside_others((large, small))
     assert found[0] is large and found[1].verdict == (CONFIRMED if sure else SUSPECTED)
     assert told == () if sure else told[0].startswith(
@@ -128,20 +134,30 @@ def test_what_is_small_beside_another_at_its_joint_may_be_its_rest(share, joints
         'the torque of time_delay there')
 
 
-def test_a_cause_of_all_joints_is_large_at_each_by_its_part():
-    everywhere = replace(finding('base_tilt', {}, JOINTS), evidence=replace(EVIDENCE, gain=4e5))
-    for gain, verdict in ((0.9 * 250.0, SUSPECTED), (1.1 * 250.0, CONFIRMED)):
-        small = replace(finding('cable_drag', {}), evidence=replace(EVIDENCE, gain=gain))
-        assert small_beside_others((small, everywhere))[0][0].verdict == verdict
+@pytest.mark.parametrize('here, sure', [(1e5, False), (1e3, True)])
+def test_a_cause_of_all_joints_is_large_where_it_gains(here, sure):
+    everywhere = gaining('base_tilt', {0: 1e6, 1: here, 2: 0.0, 3: 10.0})
+    small = gaining('cable_drag', {1: 200.0})
+    found, _ = small_beside_others((small, everywhere))
+    assert [f.verdict for f in found] == [CONFIRMED if sure else SUSPECTED, CONFIRMED]
 
 
-@pytest.mark.parametrize('once', ['large', 'small'])
-def test_what_happened_once_leaves_no_rest_and_is_none(once):
-    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e6))
-    small = finding('stribeck_friction', {})
-    found = [replace(f, name='external_contact', recording='one') if which == once else f
-             for which, f in (('large', large), ('small', small))]
-    assert small_beside_others(tuple(found)) == (tuple(found), ())
+@pytest.mark.parametrize('elsewhere, sure', [(31.0, True), (29.0, False)])
+def test_a_cause_of_more_joints_stands_where_another_joint_shows_it(elsewhere, sure):
+    several = gaining('torque_scale', {1: 100.0, 2: elsewhere})
+    large = gaining('coulomb_friction', {1: 1e6})
+    found, told = small_beside_others((several, large))
+    assert found[0].verdict == (CONFIRMED if sure else SUSPECTED)
+    assert told == () if sure else told[0].startswith(
+        f'{JOINTS[1]}, {JOINTS[2]}: torque_scale is only suspected')
+
+
+@pytest.mark.parametrize('small', [0, 1])
+def test_what_happened_once_leaves_no_rest_and_is_none(small):
+    once = replace(finding('external_contact', {}, recording='one'),
+                   evidence=replace(EVIDENCE, gain=1e6 if small else 1.0))
+    lasting = gaining('stribeck_friction', {1: 100.0 if small else 1e6})
+    assert small_beside_others((once, lasting)) == ((once, lasting), ())
 
 
 @pytest.mark.parametrize('name', sorted(EFFECTS))
@@ -156,7 +172,6 @@ def test_no_effect_stands_at_the_end_of_its_shape_as_it_is_declared(name):
 
 
 def test_what_is_only_suspected_makes_nothing_small():
-    large = replace(finding('time_delay', {}), evidence=replace(EVIDENCE, gain=1e5),
-                    verdict=SUSPECTED)
-    small = finding('stribeck_friction', {})
+    large = replace(gaining('time_delay', {1: 1e5}), verdict=SUSPECTED)
+    small = gaining('stribeck_friction', {1: 100.0})
     assert small_beside_others((large, small)) == ((large, small), ())

@@ -1,6 +1,6 @@
 """What a diagnosis says: effects with their evidence, errors before and after, what remains."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Evidence:
     gain, gain_std [nats]: held-out log-likelihood gained and its standard error over blocks;
     needed [nats]: what had to be gained, corrected for the hypotheses tried; blocks; hypotheses;
     rms [Nm]: torque of the effect at its strongest joint; next_best: the runner-up's name (or
-    None) and margin [nats] over it.
+    None) and margin [nats] over it; by_joint {name: nats}: gain at each joint that it moves.
     """
 
     gain: float
@@ -48,6 +48,7 @@ class Evidence:
     rms: float
     next_best: str | None = None
     margin: float | None = None
+    by_joint: dict = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

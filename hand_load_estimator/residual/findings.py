@@ -59,7 +59,7 @@ def _finding(models, residual, trace, step, again, blocks, odd, searched):
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),
         _explained(without, partial - torque, residual.weights),
-        _evidence(residual, trace, step, again, torque), _alternatives(robot, step),
+        _evidence(robot.joints, residual, trace, step, again, torque), _alternatives(robot, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
@@ -118,12 +118,16 @@ def _main_joint(finding, joints):
     return max(finding.joints, key=lambda name: finding.explained[joints.index(name)])
 
 
-def _evidence(residual, trace, step, again, torque):
+def _evidence(joints, residual, trace, step, again, torque):
     rms = float(np.sqrt(np.mean(torque ** 2, axis=0)).max())
-    rival = step.next_best
+    rival, by_joint = step.next_best, dict.fromkeys(again.touched, 0.0)
+    for _, score in again.parts:
+        for j, gain in score.by_joint.items():
+            by_joint[j] += float(gain)
     return Evidence(float(again.gain), float(again.std), float(step.needed),
                     residual.observations, trace.trials, rms, rival and rival.name,
-                    rival and float(step.chosen.gain - rival.gain))
+                    rival and float(step.chosen.gain - rival.gain),
+                    {joints[j]: gain for j, gain in by_joint.items()})
 
 
 def separating_motion(residual, chosen, alternatives):

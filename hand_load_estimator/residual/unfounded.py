@@ -11,7 +11,7 @@ leaves.
 
 from dataclasses import replace
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, LATE
 from .candidate import SIGMAS
 from .diagnosis import CONFIRMED, SUSPECTED
 from .hypothesis import WHOLE
@@ -38,7 +38,7 @@ def _why(finding):
     joints = ', '.join(finding.joints)
     for name, (mean, std, unit) in finding.parameters.items():
         plain = name.split(' (')[0]
-        if finding.name == 'time_delay' and plain == 'share' \
+        if finding.name == LATE and plain == 'share' \
                 and abs(mean - 1.0) > max(WHOLE, SIGMAS * std):
             return (f'{joints}: time_delay is only suspected: all of the torque would come late, '
                     f'but the model written delays {mean:.3g} ± {2.0 * std:.2g} of it (two '
@@ -66,7 +66,7 @@ def small_beside_others(findings):
     Return (Findings, sentences): suspected is what gains too little beside others at its joints.
 
     No formula is exact: a large effect leaves a rest, which another effect may look like. What
-    happened once is cut out with its recording, and leaves none.
+    happened once is cut out, has no gain at a joint, and leaves none.
     """
     said = [_small(finding, findings) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
@@ -74,21 +74,21 @@ def small_beside_others(findings):
 
 
 def _small(finding, findings):
-    """Return in words that a Finding is small beside another at one of its joints, or ''."""
-    lasting = [f for f in findings if f.verdict == CONFIRMED and not f.recording]
-    if not any(f is finding for f in lasting):
+    """Return in words that a Finding is small beside others wherever it is, or an empty string."""
+    if finding.verdict != CONFIRMED:
         return ''
-    others = [f for f in lasting if f is not finding and set(f.joints) & set(finding.joints)]
-    large = max(others, key=_gain_of_a_joint, default=None)
-    if large is None or not _gain_of_a_joint(finding) < EXACT ** 2 * _gain_of_a_joint(large):
+    own, larger = finding.evidence.by_joint, {}
+    for joint, gain in own.items():
+        there = [f for f in findings if f.verdict == CONFIRMED and f is not finding
+                 and gain < EXACT ** 2 * f.evidence.by_joint.get(joint, 0.0)]
+        if there:
+            larger[joint] = max(there, key=lambda f: f.evidence.by_joint[joint]).name
+    elsewhere = sum(gain for joint, gain in own.items() if joint not in larger)
+    if not larger or elsewhere >= finding.evidence.needed:
         return ''
     return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: what it explains is '
-            f'less than {100.0 * EXACT:g} % of the torque of {large.name} there, which may be a '
-            'rest of that')
-
-
-def _gain_of_a_joint(finding):
-    return finding.evidence.gain / len(finding.joints)
+            f'less than {100.0 * EXACT:g} % of the torque of '
+            f'{" and ".join(dict.fromkeys(larger.values()))} there, which may be a rest of that')
 
 
 def faint_in(model, better, trace):
