@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .effects import EffectInput
+from .effects import EffectInput, LATE
 from .effects.load_dependent_friction import direction
 from .late_rows import LateRows
 from .load import products_from_message
@@ -73,8 +73,8 @@ class ModelFollower:
         self._known = self._drift = None
         self._carried = np.zeros(10)
         delays = {use.joint: (model.mean[where.start], use.shape['shift'])
-                  for use, where in model.slices() if use.name == 'time_delay'}
-        self._late_load = LateRows(delays)
+                  for use, where in model.slices() if use.name == LATE}
+        self._late = LateRows(delays)
         self._late_doubt = LateRows({j: (1.0, seconds) for j, (_, seconds) in delays.items()})
         self._forget_torques()
 
@@ -94,7 +94,7 @@ class ModelFollower:
 
     def _forget_torques(self):
         self._before = None
-        self._late_load.restart()
+        self._late.restart()
         self._late_doubt.restart()
         self._teeth = [PlayState() for _ in self.model.robot.joints]
 
@@ -126,7 +126,7 @@ class ModelFollower:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
                                  before=self._before, teeth=(self._teeth, believed))
-        self._remember(model.layout.plain_torque(columns, model.mean), dt)
+        self._remember(model.layout.prompt_torque(columns, model.mean), dt)
         return columns
 
     def _remember(self, torque, dt):
@@ -135,6 +135,12 @@ class ModelFollower:
         past, gaps = np.concatenate([past, torque]), np.append(gaps, dt)
         keep = np.cumsum(gaps[::-1])[::-1] < _REMEMBERED + dt
         self._before = past[keep], gaps[keep]
+
+    def _as_late(self, load, turned, columns, dt):
+        """Return K (n, 10), torque (n,) and columns (1, n, P) as they come with what is late."""
+        late = self._late.change(np.hstack([
+            load, turned[:, None], np.where(self.model.layout.prompt, columns[0], 0.0)]), dt)
+        return load + late[:, :10], turned + late[:, 10], columns + late[:, 11:]
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -152,7 +158,6 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
-        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
@@ -168,8 +173,9 @@ class ModelFollower:
         if self.model.layout.needs:
             load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed,
                                                 gear)
-            load = load + self._late_load.change(load, sample.dt)
+            load, turned, columns = self._as_late(load, turned, columns, sample.dt)
             difference = difference - turned
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
                           self.column_scale, noise)
 

@@ -4,12 +4,13 @@ from copy import copy
 
 import numpy as np
 
+from .effects import LATE
 from .evidence import recording_numbers
+from .lateness import as_reported, change_when_late
 from .load_agreement import LeftOut
 from .presliding import stuck_density
-from .torque_columns import (as_reported, ColumnLayout, effect_columns, effect_slices, lateness,
-                             motion_input, presliding_distances, presliding_powers,
-                             torque_columns)
+from .torque_columns import (ColumnLayout, effect_columns, effect_slices, motion_input,
+                             presliding_distances, presliding_powers, torque_columns)
 
 
 class System:
@@ -42,25 +43,21 @@ class System:
         self._uses = uses
         # A delay delays every other column of its joint; none counts twice.
         self._late = {use.joint: (mean[where][0], use.shape['shift'])
-                      for use, where in effect_slices(robot.n, uses) if use.name == 'time_delay'}
+                      for use, where in effect_slices(robot.n, uses) if use.name == LATE}
         for j in self._late:
-            now = self.columns[:, j, layout.plain]
-            self.columns[:, j, layout.plain] = self._reported(now, j)
-            self.torque[:, j] += (self.columns[:, j, layout.plain] - now) @ mean[layout.plain]
+            change = self._change(self.columns[:, j, layout.prompt], j)
+            self.columns[:, j, layout.prompt] += change
+            self.torque[:, j] += change @ mean[layout.prompt]
 
-    def _reported(self, columns, j):
-        """Return columns (N, k) of joint j, of the moments that its torque belongs to."""
-        if j not in self._late:
-            return columns
+    def _change(self, columns, j):
+        """Return what the delay of joint j changes of its columns (N, k)."""
         share, delay = self._late[j]
-        parts = [(columns[rows], self.dt[rows])
-                 for rows in (self.owner == k for k in np.unique(self.owner))]
-        return np.concatenate([part + share * lateness(part, dt)(delay) for part, dt in parts])
+        return share * change_when_late(columns, self.dt, self.owner, delay)
 
     def columns_of(self, use):
         """Return the columns (N, k) of an effect that reads no torques."""
         columns = np.concatenate([effect_columns(x, use) for x in self._inputs])
-        return self._reported(columns, use.joint)
+        return columns + self._change(columns, use.joint) if use.joint in self._late else columns
 
     def reshape(self, use, where):
         """Write the columns of such an effect anew; where: its slice of x."""
@@ -75,9 +72,7 @@ class System:
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where friction is in doubt, 0 where nothing tells."""
         stuck = stuck_density(self.z, self.doubt, self.velocity, self.acceleration, friction)
-        for k in np.unique(self.owner):
-            rows = self.owner == k
-            stuck[rows] = as_reported(self._uses, stuck[rows], self.dt[rows])
+        stuck = as_reported(self._uses, stuck, self.dt, self.owner)
         return np.where(self.tells, self.dt[:, None] / (intensity + stuck), 0.0)
 
     def solve(self, mean, covariance, weights):

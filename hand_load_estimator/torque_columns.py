@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .effects import EFFECTS, EffectInput
+from .effects import EFFECTS, EffectInput, LATE
+from .lateness import lateness
 from .play import play_along
 from .presliding import presliding_path
 from .shown_friction import shown_along
@@ -97,13 +98,13 @@ class ColumnLayout:
     Where the columns of declared effects stand in Y, joints of one effect taken together.
 
     size: P, the length of x. needs: what the columns read beside motion and friction state.
-    plain (P,): which are not of effects that depend on torques themselves.
+    prompt (P,): which are of no delay: a delay delays all of these.
     """
 
     def __init__(self, n, uses):
         self.size, self.links = parameter_count(n, uses), 10 * n
         pairs = effect_slices(n, uses)
-        plain, torque_bound = [], []
+        plain, torque_bound, late = [], [], []
         for name in dict.fromkeys(use.name for use in uses):
             effect = EFFECTS[name]
             own = [(use, where) for use, where in pairs if use.name == name]
@@ -113,10 +114,12 @@ class ColumnLayout:
             if effect.whole_arm:
                 joints = np.arange(n)
             group = effect, joints, shape, places
-            (torque_bound if effect.needs & _TORQUES else plain).append(group)
-        self._plain, self._torque_bound = _Groups(plain, n), _Groups(torque_bound, n)
-        self.plain = np.ones(self.size, dtype=bool)
-        self.plain[self._torque_bound.places] = False
+            (late if name == LATE else torque_bound if effect.needs & _TORQUES
+             else plain).append(group)
+        self._plain, self._torque_bound, self._late = (
+            _Groups(groups, n) for groups in (plain, torque_bound, late))
+        self.prompt = np.ones(self.size, dtype=bool)
+        self.prompt[self._late.places] = False
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
         self._tilt = next((where for use, where in pairs if use.name == 'base_tilt'), None)
 
@@ -125,20 +128,24 @@ class ColumnLayout:
         self._plain.fill(columns, x)
 
     def fill_torque_bound(self, columns, x):
-        """Write the effects that depend on torques into columns (N, n, P)."""
+        """Write the effects that depend on torques, but delays, into columns (N, n, P)."""
         self._torque_bound.fill(columns, x)
+
+    def fill_late(self, columns, x):
+        """Write delays into columns (N, n, P)."""
+        self._late.fill(columns, x)
 
     def tilt(self, mean):
         """Return the angles (2,) [rad] of a leaning base in x (P,)."""
         return np.zeros(2) if self._tilt is None else mean[self._tilt]
 
-    def plain_torque(self, columns, mean):
-        """Return torque (N, n) [Nm] without the effects that depend on torques themselves."""
-        return columns @ np.where(self.plain, mean, 0.0)
+    def prompt_torque(self, columns, mean):
+        """Return the torque (N, n) [Nm] that delays delay."""
+        return columns @ np.where(self.prompt, mean, 0.0)
 
 
 # Inputs of effects that follow from the other columns.
-_TORQUES = frozenset({'gear', 'gear_way', 'drive', 'rate', 'tilt', 'late', 'play'})
+_TORQUES = frozenset({'gear', 'gear_way', 'drive', 'tilt', 'late', 'play'})
 
 
 class _Groups:
@@ -175,7 +182,7 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
     Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
     between the samples, without which torques stand still; load: LoadParameters that drives and
     gears are known to carry too, or None; before: (torque (M, n) [Nm], dt (M,) [s]):
-    what `plain_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
+    what `prompt_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
     there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
     """
     count, n = x.q.shape
@@ -185,11 +192,15 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
     if layout.needs:
         gear, gear_way = _gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
         plain = columns[:, :, layout.links:] @ mean[layout.links:] + gear
-        layout.fill_torque_bound(columns, replace(
-            x, gear=gear, gear_way=gear_way, drive=plain, rate=_rate(plain, dt, before),
-            late=lateness(plain, dt, before),
+        x = replace(
+            x, gear=gear, gear_way=gear_way, drive=plain,
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
-            tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None))
+            tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None)
+        layout.fill_torque_bound(columns, x)
+        held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
+        # What is read wrong, or leans, is read late with everything else.
+        layout.fill_late(columns, replace(x, late=lateness(
+            layout.prompt_torque(columns, mean) + held, dt, before)))
     return columns
 
 
@@ -204,48 +215,6 @@ def _gear_torque(robot, links, way, mean, load):
         gear, gear_way = (torque + robot.load_columns(columns) @ load.to_products()
                           for torque, columns in ((gear, links), (gear_way, way)))
     return gear, gear_way
-
-
-def _rate(torque, dt, before):
-    """Return the backward difference (N, n) [Nm/s], as a causal estimator has it."""
-    if dt is None:
-        return np.zeros_like(torque)
-    first = torque[:1] if before is None else before[0][-1:]
-    return np.diff(torque, axis=0, prepend=first) / dt[:, None]
-
-
-def lateness(torque, dt, before=None):
-    """
-    Return late(delays): torque (N, n) [Nm] some seconds ago less the torque now.
-
-    torque (N, n) at samples dt (N,) [s] apart; before: (torque (M, n), dt (M,)) ahead of them.
-    """
-    if dt is None:
-        return lambda delays: np.zeros_like(torque)
-    past, gaps = (torque[:0], np.zeros(0)) if before is None else before
-    series = np.concatenate([past, torque])
-    gaps = np.concatenate([gaps, dt])
-    time = np.cumsum(gaps)
-
-    def late(delays):
-        delays = np.broadcast_to(delays, series.shape[1])
-        now = time[len(past):]
-        return np.stack([np.interp(now - delay, time, column) for delay, column in
-                         zip(delays, series.T)], axis=1) - torque
-    return late
-
-
-def as_reported(uses, values, dt):
-    """
-    Return values (N, n) of the moments that the torques reported at N samples dt (N,) belong to.
-
-    A joint with a delay moves already when the torque of its rest is reported.
-    """
-    delays = np.zeros(values.shape[1])
-    for use in uses:
-        if use.name == 'time_delay':
-            delays[use.joint] = use.shape['shift']
-    return values + lateness(values, dt)(delays) if delays.any() else values
 
 
 def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):

@@ -18,7 +18,7 @@ from hand_load_estimator.torque_columns import effect_slices
 def step_of(name, joint, shape=None, alternatives=()):
     """Return a Step that says an effect was found."""
     hypothesis = Hypothesis(name, joint, {}, np.ones(1), shape or {})
-    return SimpleNamespace(chosen=SimpleNamespace(parts=((hypothesis, None),)),
+    return SimpleNamespace(chosen=SimpleNamespace(parts=((hypothesis, None),), common=False),
                            alternatives=[SimpleNamespace(name=other, joints=[place])
                                          for other, place in alternatives])
 

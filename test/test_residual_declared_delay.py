@@ -1,13 +1,16 @@
 """A delay that the model declares is kept, and grows, in seconds, whatever share and shift say."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from residual_helpers import declared_model, diagnosed, noise_of, recorded, told
 
-from hand_load_estimator.residual.add import identified_again
+from hand_load_estimator.effects import LATE
+from hand_load_estimator.residual.add import better_model, identified_again
 from hand_load_estimator.residual.find import declared_delays, find_residual
+from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.torque_columns import EffectUse
 from hand_load_estimator.torque_model import TorqueModel
 
@@ -83,3 +86,39 @@ def test_delays_of_other_joints_may_come_beside_one_that_grew():
     assert told(diagnosis) == {'time_delay': better.robot.joints[1:3]}
     assert declared_delays(better) == {1: pytest.approx(0.03, rel=0.1),
                                        JOINT: pytest.approx(0.045, rel=0.1)}
+
+
+def test_delays_that_are_declared_alike_are_each_their_own():
+    """Two with the same figures, of a file that somebody wrote."""
+    def effect(run):
+        return late_by(0.02)(run) + late_by(0.035, 1)(run)
+    model, evidence = also_delaying(delaying(1.0, 0.025, 0.5)), recorded(effect)
+    own = identified_again(model, model.uses, evidence)
+    assert declared_delays(own) == {1: pytest.approx(0.035, abs=0.005),
+                                    JOINT: pytest.approx(0.02, abs=0.005)}
+    both = identified_again(model, model.uses, evidence, together={1, JOINT})
+    one, other = (use.shape['shift'] for use in both.uses if use.name == LATE)
+    assert 0.022 < one == other < 0.033
+
+
+@pytest.mark.parametrize('common', [True, False])
+def test_a_delay_that_joints_have_in_common_stays_one(common):
+    def effect(run):
+        return late_by(0.02)(run) + late_by(0.03, 1)(run)
+    parts = tuple((Hypothesis(LATE, j, {}, np.ones(1), {'shift': 0.025}), None)
+                  for j in (1, JOINT))
+    chosen = SimpleNamespace(name=LATE, parts=parts, joints=[1, JOINT], common=common)
+    better = better_model(declared_model(), [SimpleNamespace(chosen=chosen, alternatives=())],
+                          recorded(effect))
+    one, other = (use.shape['shift'] for use in better.uses if use.name == LATE)
+    assert (one == other) == common
+
+
+def also_delaying(model, joint=1, std=0.5):
+    """Return a model with delays that declares one of another joint like its last."""
+    use, where = model.slices()[-1]
+    count = len(model.mean)
+    covariance = np.pad(model.covariance, (0, 1))
+    covariance[count, count] = std ** 2
+    return replace(model, uses=(*model.uses, replace(use, joint=joint)),
+                   mean=np.append(model.mean, model.mean[where]), covariance=covariance)

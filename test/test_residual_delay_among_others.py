@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from residual_helpers import (assert_repaired, constant_friction, declared_model, diagnosed,
-                              noise_of, on, recorded, ripple, told)
+from residual_helpers import (assert_repaired, clean_runs, constant_friction, declared_model,
+                              diagnosed, noise_of, on, recorded, ripple, SECONDS, told)
 
 from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.regression_system import System
@@ -30,6 +30,7 @@ def late_with(function, times):
 
 @pytest.mark.parametrize('function, name, parameter', [
     (ripple, 'torque_ripple', 'amplitude'),
+    (lambda run: run.torque, 'torque_scale', 'gain'),
     (constant_friction, 'coulomb_friction', 'change_of_level')])
 def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     diagnosis, better = diagnosed(late_with(function, 6.0))
@@ -38,8 +39,10 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     found = {f.name: f.parameters for f in diagnosis.findings}
     assert found['time_delay']['delay'][0] == pytest.approx(DELAY, rel=0.05)
     assert found['time_delay']['share'][0] == pytest.approx(1.0, abs=0.02)
-    # RMS of a sine, and of a constant.
-    size = 6.0 * noise_of(better.robot)[JOINT] * (np.sqrt(2.0) if function is ripple else 1.0)
+    # RMS of a sine, of a constant, and of the joint's torque.
+    rms = {'amplitude': np.sqrt(0.5), 'change_of_level': 1.0, 'gain': np.sqrt(np.mean(
+        np.concatenate([torque[:, JOINT] for _, _, torque in clean_runs(SECONDS)]) ** 2))}
+    size = 6.0 * noise_of(better.robot)[JOINT] / rms[parameter]
     assert found[name][parameter][0] == pytest.approx(size, rel=0.1)
     assert_repaired(diagnosis, JOINT)
     if function is ripple:
@@ -70,12 +73,16 @@ def test_the_delay_fits_best_with_what_it_delays():
     assert together[1] > together[0] + 100.0
 
 
-def test_the_columns_of_a_delay_are_how_the_torque_changes_with_every_parameter():
+@pytest.mark.parametrize('share', [1.0, 0.6])
+@pytest.mark.parametrize('other, values', [
+    (EffectUse('torque_ripple', JOINT, {'periods': 23.4}), [0.4, 0.1, 0.0, 0.2]),
+    (EffectUse('load_dependent_friction', JOINT), [0.5])])
+def test_the_columns_of_a_delay_are_how_the_torque_changes_with_every_parameter(share, other,
+                                                                                values):
     model = declared_model()
-    uses = (*model.uses, EffectUse('torque_ripple', JOINT, {'periods': 23.4}),
-            EffectUse('time_delay', JOINT, {'shift': DELAY}))
+    uses = (*model.uses, other, EffectUse('time_delay', JOINT, {'shift': DELAY}))
     evidence = recorded()
-    mean = np.concatenate([model.mean, [0.4, 0.1, 0.0, 0.2], [1.0]])
+    mean = np.concatenate([model.mean, values, [share]])
 
     def torque(x):
         # What the model says, without the linear form.
@@ -84,5 +91,8 @@ def test_the_columns_of_a_delay_are_how_the_torque_changes_with_every_parameter(
     system = System(model.robot, uses, evidence, mean)
     rng = np.random.default_rng(3)
     step = 1e-4 * rng.normal(size=len(mean)) * np.maximum(np.abs(mean), 0.1)
+    if other.effect.needs:
+        # What the links change of it a delay does not tell.
+        step[:10 * model.robot.n] = 0.0
     np.testing.assert_allclose(torque(mean + step) - torque(mean), system.columns @ step,
                                atol=1e-6 + 1e-3 * np.abs(system.columns @ step).max())

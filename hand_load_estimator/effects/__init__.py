@@ -18,7 +18,7 @@ from .shear_thinning_friction import SHEAR_THINNING_FRICTION
 from .stribeck_friction import STRIBECK_FRICTION
 from .temperature_dependent_coulomb_friction import TEMPERATURE_DEPENDENT_COULOMB_FRICTION
 from .temperature_dependent_viscous_friction import TEMPERATURE_DEPENDENT_VISCOUS_FRICTION
-from .time_delay import TIME_DELAY
+from .time_delay import LATE, TIME_DELAY
 from .torque_offset import TORQUE_OFFSET
 from .torque_ripple import TORQUE_RIPPLE
 from .torque_scale import TORQUE_SCALE
@@ -47,5 +47,6 @@ NEEDS_TEMPERATURE = frozenset(e.name for e in EFFECTS.values() if 'warmth' in e.
 # What `identify` declares unless --effects says otherwise; link_inertia is the rigid body's.
 DEFAULT_EFFECTS = ('link_inertia', *(e.name for e in EFFECTS.values() if e.default))
 
-__all__ = ['DEFAULT_EFFECTS', 'DESCRIBED', 'EFFECTS', 'EXTERNAL_CONTACT', 'LINK_INERTIA',
-           'LOAD_CHANGE', 'NEEDS_TEMPERATURE', 'Described', 'Effect', 'EffectInput', 'Shape']
+__all__ = ['DEFAULT_EFFECTS', 'DESCRIBED', 'EFFECTS', 'EXTERNAL_CONTACT', 'LATE',
+           'LINK_INERTIA', 'LOAD_CHANGE', 'NEEDS_TEMPERATURE', 'Described', 'Effect',
+           'EffectInput', 'Shape']

@@ -4,6 +4,8 @@ import numpy as np
 
 from .effect import Effect, Shape
 
+LATE = 'time_delay'
+
 
 def _columns(x, j, shape):
     delays = np.ones(x.q.shape[1])
@@ -16,7 +18,7 @@ def _derived(values, shape):
 
 
 TIME_DELAY = Effect(
-    'time_delay', 'effort belongs to an earlier moment than the position beside it',
+    LATE, 'effort belongs to an earlier moment than the position beside it',
     'first principles: tau(t - d) of the model\'s own torque', (('share', '-'),), (1.0,), _columns,
     (Shape('shift', 's', 0.01, (0.003, 0.006, 0.01, 0.015, 0.022, 0.03, 0.045, 0.07)),),
     in_link_torque=True, against='rate of torque', derived=_derived,

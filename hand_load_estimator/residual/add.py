@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..effects import LATE
 from ..identification import prior
 from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
@@ -15,7 +16,7 @@ from .confusable import partners
 from .diagnosis import UNKNOWN
 from .find import declared_delays
 from .hypotheses import with_effect
-from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LATE, LINK_FACTOR
+from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LINK_FACTOR
 from .known_recordings import made_from
 
 # What is known of the arm from before stays known, with standard deviations so much wider.
@@ -36,8 +37,10 @@ def better_model(model, steps, evidence):
     among those it was made from: then the robot file's. An `unknown` effect adds nothing.
     """
     uses, delays = model.uses, declared_delays(model)
-    changed = set()
+    changed, together = set(), set()
     for step in steps:
+        if step.chosen.common and step.chosen.name == LATE:
+            together.update(step.chosen.joints)
         for hypothesis, _ in step.chosen.parts:
             if hypothesis.name in (UNKNOWN, 'link_inertia'):
                 changed.add((hypothesis.name, hypothesis.joint))
@@ -45,7 +48,7 @@ def better_model(model, steps, evidence):
             uses = with_effect(uses, hypothesis, delays)
             changed.add((hypothesis.name, hypothesis.joint))
             changed |= _perhaps_too(model, step, hypothesis)
-    return identified_again(model, uses, evidence, changed)
+    return identified_again(model, uses, evidence, changed, together)
 
 
 def _perhaps_too(model, step, hypothesis):
@@ -55,16 +58,17 @@ def _perhaps_too(model, step, hypothesis):
             and u.name in alike & set(partners(hypothesis.name))}
 
 
-def identified_again(model, uses, evidence, changed=frozenset()):
+def identified_again(model, uses, evidence, changed=frozenset(), together=frozenset()):
     """
     Return the TorqueModel with other uses, identified from Evidence.
 
-    changed: (name, joint) of declared effects that the old figures no longer hold for.
+    changed: (name, joint) of declared effects that the old figures no longer hold for; together:
+    joints whose torque comes late by the same time.
     """
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own)
     links = _links_declared(model, changed)
-    return _identified(model, (uses, links), (mean, covariance), evidence, own)
+    return _identified(model, (uses, links, together), (mean, covariance), evidence, own)
 
 
 def _prior(model, uses, changed, own):
@@ -129,18 +133,19 @@ def _of_shifts(mean, covariance, n, before, uses):
     return factor * mean, np.outer(factor, factor) * covariance
 
 
-def _with_whole_delays(n, uses, x, covariance):
+def _with_whole_delays(n, uses, together, x, covariance):
     """
     Return uses and x (P,) with the delays that make each share a whole one.
 
     A share of nothing is that of a delay nobody has estimated; one far from a whole stays. Joints
-    with the same delay keep it the same.
+    (indices) that are late together keep one delay.
     """
     uses, x, groups = list(uses), x.copy(), {}
     for k, (use, where) in enumerate(effect_slices(n, uses)):
         if use.name == LATE:
-            groups.setdefault(use.shape['shift'], []).append((k, where.start))
-    for shift, those in groups.items():
+            own = None if use.joint in together else use.joint
+            groups.setdefault((own, use.shape['shift']), []).append((k, where.start))
+    for (_, shift), those in groups.items():
         numbers = [number for _, number in those]
         variance = np.maximum(np.diag(covariance)[numbers], NONE)
         share = np.average(x[numbers], weights=1.0 / variance)
@@ -153,11 +158,11 @@ def _with_whole_delays(n, uses, x, covariance):
 
 
 def _identified(model, declared, before, evidence, own):
-    (asked, links), (mean, covariance) = declared, before
+    (asked, links, together), (mean, covariance) = declared, before
     known = tuple(_before(use, own) for use in asked)
     robot, residuals = model.robot, model.residuals
     # From a share of nothing the first turn would take a delay for something else.
-    uses, x = _with_whole_delays(robot.n, asked, mean, covariance)
+    uses, x = _with_whole_delays(robot.n, asked, together, mean, covariance)
     mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     intensity, friction = residuals.intensity, model.friction_level()
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
@@ -174,7 +179,7 @@ def _identified(model, declared, before, evidence, own):
             # New recordings need not show all that the old ones did.
             intensity = np.maximum(intensity, SHOWN * residuals.intensity)
         if turn < TURNS - 1:
-            uses, x = _with_whole_delays(robot.n, uses, x, posterior)
+            uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     rmse, drift = rmse_of(robot, system, left_out.residual), residuals.drift
     if own:

@@ -74,7 +74,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     own = made_from(model, evidence)
     trace, rest = _traced(model, residual, warmed, own, progress)
     progress('estimating everything together')
-    old, better, refitted = _models(model, trace.steps, evidence, own and (outside.found, kept))
+    refitted = own and kept and bool(trace.steps or outside.found)
+    old, better = _models(model, trace.steps, evidence, own and bool(outside.found), refitted)
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
                               (names, whole, outside.found), (before, after))
@@ -98,21 +99,19 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
 
 
-def _models(model, steps, evidence, own):
+def _models(model, steps, evidence, misled, seen):
     """
-    Return TorqueModels: to compare with, with what was found; whether neither has seen the test.
+    Return TorqueModels: to compare with, and with what was found.
 
-    own: False, or for a model made from these recordings (what acted from outside, whether the
-    test is part of them).
+    misled: whether the model took what acted from outside for the arm's own; seen: whether it was
+    made from what is now kept for the test.
     """
-    outside, kept = own or ((), False)
-    # Such a model took what acted from outside for the arm's own.
-    if not steps and not outside:
-        return model, model, False
-    # And it has seen what is now kept for the test: where another is written, both are fitted
-    # without it; else the error told is that of the model written.
-    old = better_model(model, (), evidence) if kept else model
-    return old, better_model(model, steps, evidence), bool(kept)
+    if not steps and not misled:
+        return model, model
+    # Where another is written both are fitted without the test; else the error told is that of
+    # the model written.
+    old = better_model(model, (), evidence) if seen else model
+    return old, better_model(model, steps, evidence)
 
 
 def _found(models, residual, traced, outside, errors):

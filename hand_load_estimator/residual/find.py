@@ -4,19 +4,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..effects import EFFECTS, EffectInput
+from ..effects import EFFECTS, EffectInput, LATE
 from ..effects.effect import SLOWEST
 from ..evidence import recording_numbers
 from ..filtered_noise import noise_floor, white_density
+from ..lateness import as_reported, change_when_late, lateness
 from ..motion import smeared
 from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
-from ..torque_columns import (as_reported, EffectUse, gear_torque, lateness, motion_input,
-                              play_columns, tilt_columns, torque_columns)
+from ..torque_columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
+                              torque_columns)
 from ..torque_model import nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT
-from .hypothesis import LATE
 from .repeats import first_shown
 
 # Information, in units of the prior's, from which on a direction of the parameters counts.
@@ -34,14 +34,15 @@ class Residual:
     """
     The residual of several recordings along their motion, N rows in all.
 
-    x: EffectInput with everything effects may read; residual, weights (N, n) [Nm],
-    [1/(Nm^2 s) s]; turning (N, n): weights that count reversals as much as sliding, for what tells
-    how friction turns; columns Y (N, n, P) of the model; dt, time (N,) [s]; messages (N,):
-    joint states of each row; owner (N,): part of a recording; cut: into blocks; moving (N, n):
-    where joints slide; sliding (N, n): where they slide by the watch's stricter measure
-    (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says it may be wrong
-    by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays {joint: [s]}:
-    how late a joint was found to report its torque, declared what the model says of that.
+    x: EffectInput with everything effects may read; residual, weights (N, n) [Nm], [1/(Nm^2 s) s];
+    turning (N, n): weights that count reversals as much as sliding, for what tells how friction
+    turns; columns Y (N, n, P) of the model, of which prompt (P,) are of no delay; dt, time (N,)
+    [s]; messages (N,): joint states of each row; owner (N,): part of a recording; cut: into
+    blocks; moving (N, n): where joints slide; sliding (N, n): where they slide by the watch's
+    stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says
+    it may be wrong by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays
+    {joint: [s]}: how late a joint was found to report its torque, declared what the model says of
+    that.
     """
 
     x: EffectInput
@@ -49,6 +50,7 @@ class Residual:
     weights: np.ndarray
     turning: np.ndarray
     columns: np.ndarray
+    prompt: np.ndarray
     dt: np.ndarray
     time: np.ndarray
     messages: np.ndarray
@@ -79,13 +81,8 @@ class Residual:
 
     def reported(self, columns):
         """Return columns {joint: (N, k)} of the moments that the torques reported belong to."""
-        return {j: self._late(own, self.delays[j]) if j in self.delays else own
-                for j, own in columns.items()}
-
-    def _late(self, columns, delay):
-        parts = [(columns[rows], self.dt[rows])
-                 for rows in (self.owner == k for k in dict.fromkeys(self.owner))]
-        return np.concatenate([part + lateness(part, dt)(delay) for part, dt in parts])
+        return {j: own + change_when_late(own, self.dt, self.owner, self.delays[j])
+                if j in self.delays else own for j, own in columns.items()}
 
     def friction_state(self, distance, power):
         """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
@@ -119,7 +116,8 @@ class Residual:
 
     def _leading(self, j, root):
         """Return (N, R): directions of the parameters that joint j tells anything about."""
-        columns = self.reported({j: self.columns[:, j]})[j] @ root
+        (late,) = self.reported({j: self.columns[:, j]}).values()
+        columns = np.where(self.prompt, late, self.columns[:, j]) @ root
         values, axes = np.linalg.eigh((columns * self.weights[:, j, None]).T @ columns)
         return columns @ axes[:, values > TOLD]
 
@@ -140,8 +138,9 @@ def find_residual(model, evidence, cut=True):
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
     own = declared_delays(model)
-    return Residual(x, owner=owner, cut=pieces, noise=noise, delays=own, declared=own,
-                    expected=_expected(model, joined['columns'], x), **joined)
+    return Residual(x, owner=owner, prompt=model.layout.prompt, cut=pieces, noise=noise,
+                    delays=own, declared=own, expected=_expected(model, joined['columns'], x),
+                    **joined)
 
 
 def declared_delays(model):
@@ -181,7 +180,7 @@ def _of_recording(model, evidence, compared):
     white = white_density(residual, motion.dt, motion.messages)
     sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
     stuck = stuck_density(x.z, doubt, x.v, x.a, level)
-    density = sliding + as_reported(model.uses, stuck, motion.dt)
+    density = sliding + as_reported(model.uses, stuck, motion.dt, np.zeros(len(motion.dt)))
     tells = evidence.tells
     known = (doubt < 0.1) & (np.abs(x.v) > SLOWEST) & tells
     # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.

@@ -7,7 +7,7 @@ what was found, and each must pay for itself to the end.
 
 from itertools import product
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, LATE
 from .blocks import Blocks
 from .candidate import hypotheses_of, in_common, joined, single
 from .hypotheses import FORMS, of_shapes, other_forms, other_ways, reshaped
@@ -25,7 +25,7 @@ SAME = 2.0
 def rank(hypothesis, score, more=0.0):
     """Return what the better of two shapes has more of: sense, then nats."""
     # Of a short delay only its product with the share shows: the share is to be a whole.
-    return hypothesis.name != 'time_delay' or physical(hypothesis, score, None), score.gain + more
+    return hypothesis.name != LATE or physical(hypothesis, score, None), score.gain + more
 
 
 def best_of_each(hypotheses, blocks):
@@ -60,7 +60,7 @@ def search_around(best, blocks, model, residual):
         best = max([best, *tried], key=lambda pair: rank(*pair))
         count += len(tried)
     best, more = settled(*best, blocks, model, residual, rank)
-    if best[0].name == 'time_delay':
+    if best[0].name == LATE:
         return _whole(best, blocks, model, residual), count + more + 1
     return best, count + more
 

@@ -7,43 +7,52 @@ found at a joint settles with what was found there before. A delay delays all of
 
 from dataclasses import replace
 
-import numpy as np
-
+from ..effects import LATE
 from .candidate import evaluated, hypotheses_of, with_hypotheses
 from .choice import looks_like
 from .delay_among_others import delay_among, delayed
 from .diagnosis import UNKNOWN
 from .finer_shape import finer, searched_again
-from .hypothesis import beside_delays, LATE
+from .hypothesis import beside_delays
 
 
 class Found:
     """
     Steps found on a Residual, in their order.
 
-    model, residual, warmed, root: as of Trace; steps: what is new; drifted: changes of declared
-    effects no larger than the model says to expect; taken: keys of all Hypotheses of both;
-    residual: with the delays that were found.
+    model, residual, warmed, root: as of Trace; possible(candidate): whether physics allows it and
+    it matters; taken: keys of all Hypotheses; residual: with the delays that were found.
     """
 
-    def __init__(self, model, residual, warmed, root):
+    def __init__(self, model, residual, warmed, root, possible):
         self._model, self._warmed, self._root = model, warmed, root
+        self._possible = possible
         self.residual = residual
-        self.steps, self.drifted, self.taken = [], [], set()
+        self._all, self._as_expected, self.taken = [], [], set()
+
+    @property
+    def steps(self):
+        """What is new."""
+        return [s for s, expected in zip(self._all, self._as_expected) if not expected]
+
+    @property
+    def drifted(self):
+        """Changes of declared effects no larger than the model says to expect."""
+        return [s for s, expected in zip(self._all, self._as_expected) if expected]
 
     def blocks(self):
         """Return Blocks with everything found for nuisances."""
-        return self._blocks_of(self.steps + self.drifted)
+        return self._blocks_of(self._all)
 
     def beside(self, step):
         """Return Blocks with all other steps for nuisances."""
         # A plain function would take the place of any effect of its variable.
-        return self._blocks_of(other for other in self.steps + self.drifted
+        return self._blocks_of(other for other in self._all
                                if other is not step and other.chosen.name != UNKNOWN)
 
     def with_finer_shapes(self, steps):
         """Return Steps found together, each with its finer shape beside the others."""
-        self._note_delays(steps)
+        self._tell_delays(steps)
         steps, before = list(steps), self.blocks()
         for k, step in enumerate(steps):
             blocks = before
@@ -53,51 +62,66 @@ class Found:
                                                   self.residual, self._warmed))
         return steps
 
-    def add(self, step, drifted):
+    def add(self, step, expected):
         """Add a Step, to those that the model says to expect or to the others."""
-        (self.drifted if drifted else self.steps).append(step)
+        self._all.append(step)
+        self._as_expected.append(expected)
         self.taken |= {h.key for h, _ in step.chosen.parts}
 
-    def settle_beside(self, new):
+    def drop(self, step):
+        """Drop a Step; what it delayed comes no longer late."""
+        at = self._place(step)
+        del self._all[at], self._as_expected[at]
+        self._tell_delays()
+
+    def put(self, step, other):
+        """Put a Step in the place of another."""
+        self._all[self._place(other)] = step
+        self._tell_delays()
+
+    def settle(self):
         """
-        Search shapes again, of what was found at the same joints before, then of the new Step.
+        Search shapes again, of what was found at the joints of the last Step, then of that.
 
         Returns the indices of the joints where anything may have changed.
         """
-        joints = set(new.chosen.touched)
-        earlier = [step for step in self.steps if step is not new and step.chosen.name != UNKNOWN
-                   and joints & set(step.chosen.touched)]
-        if new.chosen.name == UNKNOWN or not earlier:
+        last = len(self._all) - 1
+        new = self._all[last].chosen
+        earlier = [k for k, step in enumerate(self._all[:last]) if not self._as_expected[k]
+                   and step.chosen.name != UNKNOWN
+                   and set(new.touched) & set(step.chosen.touched)]
+        if new.name == UNKNOWN or not earlier:
             return set()
-        together = [*earlier, new]
-        late = [step.chosen.name == LATE for step in together]
+        places = [*earlier, last]
         # What a delay delays and the delay itself are told from one another by turns.
-        for _ in range(2 if any(late) else 1):
-            for k in np.argsort(np.logical_not(late), kind='stable'):
-                if late[k]:
-                    together = self._delay_among(together, k)
-                else:
-                    together[k] = self._plainer(self._searched_again(together[k]))
-        return joints.union(*(step.chosen.touched for step in together))
+        delays = [k for k in places if self._all[k].chosen.name == LATE]
+        others = [k for k in places if k not in delays]
+        for _ in range(2 if delays else 1):
+            for k in delays:
+                self._search_delay(k, places)
+            for k in others:
+                self._search_again(k)
+        return {j for k in places for j in (*new.touched, *self._all[k].chosen.touched)}
 
-    def _searched_again(self, step):
-        return self._with(step, searched_again(step.chosen, self.beside(step), self._model,
-                                               self.residual, self._warmed))
+    def _search_again(self, k):
+        """Search the shapes of the Step at k again, and what it looks like now."""
+        step = self._all[k]
+        step = self._all[k] = replace(step, chosen=searched_again(
+            step.chosen, self.beside(step), self._model, self.residual, self._warmed))
+        self._all[k] = self._plainer(step)
+        self.taken |= {h.key for h, _ in self._all[k].chosen.parts}
 
-    def _delay_among(self, together, k):
-        """Return Steps of the same joints with the one at k, a delay, where all fit best."""
-        delay, others = together[k].chosen, together[:k] + together[k + 1:]
-        blocks = self._blocks_of(
-            step for step in self.steps + self.drifted if step.chosen.name != UNKNOWN
-            and not any(step is one for one in together))
-        beside = [h for step in others for h, _ in step.chosen.parts]
+    def _search_delay(self, k, places):
+        """Search the delay of the Step at k where it fits best with what is at other places."""
+        delay = self._all[k].chosen
+        blocks = self._blocks_of(step for i, step in enumerate(self._all)
+                                 if i not in places and step.chosen.name != UNKNOWN)
+        beside = [h for i in places if i != k for h, _ in self._all[i].chosen.parts]
         moved = with_hypotheses(delay, [delay_among(h, beside, blocks, self._model, self.residual)
                                         for h in hypotheses_of(delay)])
-        self._note_delays([replace(together[k], chosen=moved)])
-        together = [self._with(step, self._delayed(moved if i == k else step.chosen))
-                    for i, step in enumerate(together)]
-        together[k] = self._with(together[k], evaluated(moved, self.beside(together[k])))
-        return together
+        self.put(replace(self._all[k], chosen=moved), self._all[k])
+        step = self._all[k]
+        self._all[k] = replace(step, chosen=evaluated(moved, self.beside(step)))
 
     def _plainer(self, step):
         """Return a Step of what its Candidate looks like beside what was found since."""
@@ -105,31 +129,28 @@ class Found:
         others = [evaluated(self._delayed(c), blocks) for c in (*step.alternatives, step.next_best)
                   if c is not None and c.joints == chosen.joints
                   and not self.taken & {h.key for h, _ in c.parts}]
-        plainer = max((c for c in others if looks_like(chosen, c)), key=lambda c: c.gain,
-                      default=None)
+        plainer = max((c for c in others if looks_like(chosen, c) and self._possible(c)),
+                      key=lambda c: c.gain, default=None)
         if plainer is None:
             return step
-        self.taken |= {h.key for h, _ in plainer.parts}
         rest = tuple(c for c in step.alternatives if c.name != plainer.name)
-        return self._with(replace(step, alternatives=(chosen, *rest), next_best=chosen), plainer,
-                          step)
+        return replace(step, chosen=plainer, alternatives=(chosen, *rest), next_best=chosen)
 
-    def _with(self, step, chosen, instead_of=None):
-        """Put a Step with another Candidate in the place of it, or of another; return it."""
-        old, new = step if instead_of is None else instead_of, replace(step, chosen=chosen)
-        for found in (self.steps, self.drifted):
-            found[:] = [new if s is old else s for s in found]
-        return new
+    def _place(self, step):
+        return next(k for k, own in enumerate(self._all) if own is step)
+
+    def _tell_delays(self, new=()):
+        """Take the delays of all steps and of new ones: all that was found is as late."""
+        self.residual = replace(self.residual, delays=self.residual.declared)
+        for step in (*self._all, *new):
+            for hypothesis, _ in step.chosen.parts if step.chosen.name == LATE else ():
+                self.residual = delayed(self.residual, hypothesis)
+        self._all = [replace(step, chosen=self._delayed(step.chosen)) for step in self._all]
 
     def _delayed(self, candidate):
         """Return a Candidate with the columns that it has beside the delays known now."""
         return with_hypotheses(candidate, [beside_delays(h, self.residual)
                                            for h in hypotheses_of(candidate)])
-
-    def _note_delays(self, steps):
-        for step in steps:
-            for hypothesis, _ in step.chosen.parts if step.chosen.name == LATE else ():
-                self.residual = delayed(self.residual, hypothesis)
 
     def _blocks_of(self, steps):
         """Return Blocks with the effects of some steps for nuisances."""

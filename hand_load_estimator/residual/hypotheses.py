@@ -5,15 +5,14 @@ from itertools import product
 
 import numpy as np
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, LATE
 from ..effects.knee import KNEE, shows
 from ..effects.own_travel import OWN_TRAVEL
 from ..effects.stribeck_friction import VELOCITY_RANGE
 from ..identification import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
-from .hypothesis import (beside_delays, EFFECT_FACTOR, Hypothesis, LATE, LINK_FACTOR,
-                         searched)
+from .hypothesis import beside_delays, EFFECT_FACTOR, Hypothesis, LINK_FACTOR, searched
 from .leaning_base import tilted
 from .plain_functions import functions, VARIABLES
 from .ripple import likely_periods

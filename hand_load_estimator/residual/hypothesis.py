@@ -4,14 +4,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, LATE
 from ..effects.own_travel import OWN_TRAVEL
 from .impossible import SURE
 from .wrong_joint import LEAST_GAIN, MOST_GAIN
 
 # Units of columns, beside the prior's std: link data may be off by more than a new arm's.
 LINK_FACTOR, EFFECT_FACTOR = 3.0, 3.0
-LATE = 'time_delay'
 # A delay delays the whole torque: its share is 1 within this, or a little more when in doubt.
 WHOLE, DOUBTFUL = 0.35, 0.5
 

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..effects import LATE
 from .candidate import ahead, Candidate, joined, significant, single, Step, tied
 from .choice import chosen_step
 from .delay_among_others import delay_among, delayed
 from .diagnosis import UNKNOWN
 from .finer_shape import best_of_each, search_around
 from .hypotheses import of_joint
-from .hypothesis import beside_delays, LATE
+from .hypothesis import beside_delays
 
 # Of each cause so many others beside it make a pair; the shapes of so many pairs are searched.
 PARTNERS, FINISHED = 2, 4

@@ -52,7 +52,7 @@ class Trace:
     def __init__(self, model, residual, warmed, root=None,
                  progress=lambda text: None):
         self._model, self._warmed, self._progress = model, warmed, progress
-        self._found = Found(model, residual, warmed, root)
+        self._found = Found(model, residual, warmed, root, self._possible)
         self.blocks, self.trials = residual.blocks(root), 0
         self.nearly, self.needed = [], 0.0
         std = np.sqrt(np.diag(model.covariance))
@@ -89,22 +89,28 @@ class Trace:
             steps = self._found.with_finer_shapes(steps)
             for step in steps:
                 self._found.add(step, self._expected(step.chosen))
-            changed = self._found.settle_beside(steps[-1])
+            changed = self._found.settle()
             self.blocks = self._found.blocks()
             self._forget(changed.union(*(step.chosen.touched for step in steps)))
         return self.steps
 
     def keep_what_still_gains(self):
         """Backward check: drop steps, and joints of them, that gain no more beside the others."""
-        for step in list(self.steps):
+        kept = 0
+        while kept < len(self.steps):
+            step = self.steps[kept]
             again = self.still_gains(step)
-            at = self.steps.index(step)
             if again.gain < step.needed or not self.matters(again):
-                self.steps.pop(at)
+                self._found.drop(step)
                 continue
-            self.steps[at] = shown = self._where_it_shows(step, again)
-            if shown is not step and self.still_gains(shown).gain < step.needed:
-                self.steps.pop(at)
+            shown = self._where_it_shows(step, again)
+            if shown is not step:
+                self._found.put(shown, step)
+                shown = self.steps[kept]
+                if self.still_gains(shown).gain < step.needed:
+                    self._found.drop(shown)
+                    continue
+            kept += 1
         # What was dropped must not count as explained.
         self.blocks = self._found.blocks()
 
@@ -186,6 +192,10 @@ class Trace:
         together = Together(self._model, self.residual, self._warmed, self.blocks, j,
                             self._taken, singles, self._allowed)
         return together.instead_of(chosen, needed, self.matters)
+
+    def _possible(self, candidate):
+        """Tell whether physics allows a Candidate as it was fitted, and it matters."""
+        return self.matters(candidate) and all(self._allowed(*pair) for pair in candidate.parts)
 
     def _allowed(self, hypothesis, score):
         return physical(hypothesis, score, self._declared.get((hypothesis.name, hypothesis.joint)))
