@@ -152,6 +152,12 @@ def test_a_cause_of_more_joints_stands_where_another_joint_shows_it(elsewhere, s
         f'{JOINTS[1]}, {JOINTS[2]}: torque_scale is only suspected')
 
 
+def test_a_loss_at_a_joint_where_nothing_else_is_makes_nothing_small():
+    several = gaining('base_tilt', {0: 500.0, 1: -3.0, 2: -1.0})
+    other = gaining('cable_drag', {2: -2.0, 3: 1e6})
+    assert small_beside_others((several, other)) == ((several, other), ())
+
+
 @pytest.mark.parametrize('small', [0, 1])
 def test_what_happened_once_leaves_no_rest_and_is_none(small):
     once = replace(finding('external_contact', {}, recording='one'),

@@ -79,10 +79,10 @@ def _small(finding, findings):
         return ''
     own, larger = finding.evidence.by_joint, {}
     for joint, gain in own.items():
-        there = [f for f in findings if f.verdict == CONFIRMED and f is not finding
-                 and gain < EXACT ** 2 * f.evidence.by_joint.get(joint, 0.0)]
-        if there:
-            larger[joint] = max(there, key=lambda f: f.evidence.by_joint[joint]).name
+        most, name = max(((f.evidence.by_joint.get(joint, 0.0), f.name) for f in findings
+                          if f.verdict == CONFIRMED and f is not finding), default=(0.0, ''))
+        if most > 0.0 and gain < EXACT ** 2 * most:
+            larger[joint] = name
     elsewhere = sum(gain for joint, gain in own.items() if joint not in larger)
     if not larger or elsewhere >= finding.evidence.needed:
         return ''
