@@ -93,7 +93,7 @@ def share_left_out(system, left_out, weights, drift):
         columns = system.columns[rows]
         return Window(system.robot.load_columns(columns[:, :, :10 * system.robot.n]),
                       nuisance_columns(columns, roots[left_out.part[rows.start]], drift,
-                                       system.z[rows], system.velocity[rows]),
+                                       *(values[rows] for values in system.drifting)),
                       left_out.residual[rows], weights[rows])
 
     shares = []

@@ -17,9 +17,6 @@ from .torque_columns import real_torque, torque_columns, warmth_of
 from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .torque_noise import SampleNoise
 
-# Torques kept for effects that look back [s]: the longest delay and a sample more.
-_REMEMBERED = 0.15
-
 
 @dataclass(frozen=True)
 class Prediction:
@@ -74,6 +71,7 @@ class ModelFollower:
         self._carried = np.zeros(10)
         delays = {use.joint: (model.mean[where.start], use.shape['shift'])
                   for use, where in model.slices() if use.name == LATE}
+        self._longest = max((seconds for _, seconds in delays.values()), default=0.0)
         self._late = LateRows(delays)
         self._late_doubt = LateRows({j: (1.0, seconds) for j, (_, seconds) in delays.items()})
         self._forget_torques()
@@ -126,21 +124,26 @@ class ModelFollower:
             return torque_columns(model.robot, model.layout, x)
         columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
                                  before=self._before, teeth=(self._teeth, believed))
-        self._remember(model.layout.prompt_torque(columns, model.mean), dt)
+        if self._longest:
+            self._remember(model.layout.prompt_torque(columns, model.mean), dt)
         return columns
 
     def _remember(self, torque, dt):
         """Keep the last torques, as far back as a delay may reach."""
         past, gaps = self._before or (torque[:0], np.zeros(0))
         past, gaps = np.concatenate([past, torque]), np.append(gaps, dt)
-        keep = np.cumsum(gaps[::-1])[::-1] < _REMEMBERED + dt
+        ages = np.cumsum(gaps[::-1])[::-1] - gaps
+        keep = np.append(ages[1:] < self._longest, True)
         self._before = past[keep], gaps[keep]
 
-    def _as_late(self, load, turned, columns, dt):
-        """Return K (n, 10), torque (n,) and columns (1, n, P) as they come with what is late."""
-        late = self._late.change(np.hstack([
-            load, turned[:, None], np.where(self.model.layout.prompt, columns[0], 0.0)]), dt)
-        return load + late[:, :10], turned + late[:, 10], columns + late[:, 11:]
+    def _as_late(self, load, turned, nuisances, columns, dt):
+        """Return K (n, 10), torque (n,) and nuisances (n, r) as they come with what is late."""
+        # What a delay's own share may be off by is late already.
+        own, late = np.zeros_like(nuisances), self.model.layout.late
+        own[:, :self._uncertain.shape[1]] = columns[:, late] @ self._uncertain[late]
+        rows = np.hstack([load, turned[:, None], nuisances - own])
+        rows = rows + self._late.change(rows, dt)
+        return rows[:, :10], rows[:, 10], rows[:, 11:] + own
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -158,6 +161,7 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
@@ -173,9 +177,10 @@ class ModelFollower:
         if self.model.layout.needs:
             load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed,
                                                 gear)
-            load, turned, columns = self._as_late(load, turned, columns, sample.dt)
+            if self._longest:
+                load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
+                                                        sample.dt)
             difference = difference - turned
-        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
         return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
                           self.column_scale, noise)
 

@@ -18,7 +18,8 @@ class System:
     Columns, torque and friction doubt of several recordings for one set of effects.
 
     mean (P,): parameters that tell torques to the effects that depend on them; around these the
-    torque of a delay, which is a product of its share and all others, is made linear.
+    torque of a delay, which is a product of its share and all others, is made linear. drifting:
+    friction state and velocity (N, n) of the moments that the torques belong to.
     """
 
     def __init__(self, robot, uses, evidence, mean):
@@ -41,10 +42,13 @@ class System:
         self.acceleration = np.concatenate([x.a for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
         self._uses = uses
+        self.drifting = self.z.copy(), self.velocity.copy()
         # A delay delays every other column of its joint; none counts twice.
         self._late = {use.joint: (mean[where][0], use.shape['shift'])
                       for use, where in effect_slices(robot.n, uses) if use.name == LATE}
         for j in self._late:
+            for values in self.drifting:
+                values[:, j:j + 1] += self._change(values[:, j:j + 1], j)
             change = self._change(self.columns[:, j, layout.prompt], j)
             self.columns[:, j, layout.prompt] += change
             self.torque[:, j] += change @ mean[layout.prompt]

@@ -62,8 +62,8 @@ def drift_of(system, residual, weights):
             moving = rows[np.abs(system.velocity[rows, j]) > 0.02]
             if len(moving) < 50:
                 continue
-            y = np.stack([np.ones(len(moving)), system.z[moving, j],
-                          system.velocity[moving, j]], axis=1)
+            y = np.stack([np.ones(len(moving)),
+                          *(values[moving, j] for values in system.drifting)], axis=1)
             w = weights[moving, j]
             covariance = np.linalg.inv((y * w[:, None]).T @ y + 1e-9 * np.eye(3))
             fits.append(covariance @ ((y * w[:, None]).T @ residual[moving, j]))

@@ -98,7 +98,7 @@ class ColumnLayout:
     Where the columns of declared effects stand in Y, joints of one effect taken together.
 
     size: P, the length of x. needs: what the columns read beside motion and friction state.
-    prompt (P,): which are of no delay: a delay delays all of these.
+    prompt (P,): which are of no delay: a delay delays all of these; late: numbers of the others.
     """
 
     def __init__(self, n, uses):
@@ -119,7 +119,8 @@ class ColumnLayout:
         self._plain, self._torque_bound, self._late = (
             _Groups(groups, n) for groups in (plain, torque_bound, late))
         self.prompt = np.ones(self.size, dtype=bool)
-        self.prompt[self._late.places] = False
+        self.late = np.sort(self._late.places)
+        self.prompt[self.late] = False
         self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
         self._tilt = next((where for use, where in pairs if use.name == 'base_tilt'), None)
 
@@ -197,10 +198,11 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
             tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None)
         layout.fill_torque_bound(columns, x)
-        held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
-        # What is read wrong, or leans, is read late with everything else.
-        layout.fill_late(columns, replace(x, late=lateness(
-            layout.prompt_torque(columns, mean) + held, dt, before)))
+        if 'late' in layout.needs:
+            held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
+            # What is read wrong, or leans, is read late with everything else.
+            layout.fill_late(columns, replace(x, late=lateness(
+                layout.prompt_torque(columns, mean) + held, dt, before)))
     return columns
 
 

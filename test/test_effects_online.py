@@ -19,6 +19,7 @@ from hand_load_estimator.regression_system import System
 from hand_load_estimator.shown_links import shown_links
 from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, motion_input,
                                                 parameter_count, torque_columns)
+from hand_load_estimator.torque_model import drift_std, uncertain_directions
 
 LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 # Values of the effects that depend on torques, large enough to be seen in one.
@@ -133,8 +134,8 @@ def test_teeth_part_where_the_torque_of_gear_and_load_changes_sign(samples):
 @pytest.mark.parametrize('rate', [30.0, 94.0, 500.0])
 def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
     """Samples are 10 to 33 ms apart, as messages come; the same time is remembered."""
-    # A search goes on between the grid's values and beyond the last.
-    longest = 1.4 * max(EFFECTS['time_delay'].shapes[0].grid)
+    # A search goes on between the grid's values and beyond the last, again for one declared.
+    longest = 5.0 * max(EFFECTS['time_delay'].shapes[0].grid)
     model = model_with(four_axes(), ('time_delay',), {'time_delay': (1.0,)}, {'shift': longest})
     found = filtered(3.0, rate)
     motion, x, _ = along(model, found)
@@ -144,24 +145,49 @@ def test_a_follower_remembers_as_long_as_the_longest_delay(rate):
     np.testing.assert_allclose(online, offline, atol=1e-9)
 
 
+def drifting(model):
+    """Return a model with a drift of offset, Coulomb and viscous friction."""
+    return replace(model, residuals=replace(model.residuals, drift=np.full((4, 3), 0.1)))
+
+
 def test_what_is_read_wrong_or_bends_is_read_late(samples):
     """With a whole delay everything else of a joint comes late, its uncertainty with it."""
     steps, bound = 4, [name for name in BOUND if name != 'time_delay']
-    model = model_with(four_axes(), bound, {name: BOUND[name] for name in bound},
-                       {'travel': 0.02})
+    model = drifting(model_with(four_axes(), bound, {name: BOUND[name] for name in bound},
+                                {'travel': 0.02}))
     delays = tuple(EffectUse('time_delay', j, {'shift': steps * samples[1].dt})
                    for j in range(4))
     late = replace(model, uses=(*model.uses, *delays), mean=np.append(model.mean, np.ones(4)),
                    covariance=np.pad(model.covariance, (0, 4)))
     now, then = ([f.update(replace(s, effort=np.zeros(4))) for s in samples]
                  for f in (ModelFollower(model), ModelFollower(late)))
-    gravity = np.array([p.difference for p in now])
-    np.testing.assert_allclose([p.difference for p in then[steps:]], gravity[:-steps], atol=1e-9)
-    for name, size in (('load_columns', 10), ('model_columns', 12)):
-        before, after = (np.array([getattr(p, name)[:, :size] for p in those])
+    torque = np.array([p.difference for p in now])
+    np.testing.assert_allclose([p.difference for p in then[steps:]], torque[:-steps], atol=1e-9)
+    for name, columns in (('load_columns', slice(0, 10)), ('model_columns', slice(0, 12)),
+                          ('model_columns', slice(12, None))):
+        before, after = (np.array([getattr(p, name)[:, columns] for p in those])
                          for those in (now, then))
         assert np.ptp(before, axis=0).max() > 1e-3
         np.testing.assert_allclose(after[steps:], before[:-steps], atol=1e-9)
+
+
+def test_uncertainties_online_are_those_of_identification(samples):
+    """That of a delay's share, which is late already, among them."""
+    names = ('torque_scale', 'time_delay')
+    model = drifting(model_with(four_axes(), names, {name: BOUND[name] for name in names},
+                                {'shift': 0.05}))
+    motion, _, _ = along(model, samples)
+    system = System(model.robot, model.uses, [Evidence('run', motion, motion.effort)], model.mean)
+    follower = ModelFollower(model)
+    uncertain = uncertain_directions(model, 12, 0)
+    seen = np.array([follower.update(s).model_columns for s in samples])
+    np.testing.assert_allclose(seen[:, :, :12], system.columns @ uncertain, atol=1e-9)
+    drift = drift_std(model, np.ones(4, bool))
+    offset, coulomb, viscous = (seen[:, 1, 12 + 4 * k + 1] for k in range(3))
+    for column, basis, std in zip((offset, coulomb, viscous),
+                                  (np.ones(len(seen)), *(w[:, 1] for w in system.drifting)),
+                                  drift[1]):
+        np.testing.assert_allclose(column, basis * std, atol=1e-9)
 
 
 def test_doubt_about_friction_comes_late_with_the_torque(samples):

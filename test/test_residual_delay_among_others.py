@@ -52,6 +52,16 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     assert read_model(tmp_path / 'model.yaml').uses == better.uses
 
 
+def test_a_delay_is_not_small_beside_what_it_delays():
+    """Of its own torque it explains little beside a ripple that is as late."""
+    diagnosis, better = diagnosed(late_with(ripple, 30.0))
+    joint = better.robot.joints[JOINT]
+    assert told(diagnosis) == {'time_delay': (joint,), 'torque_ripple': (joint,)}
+    for finding in diagnosis.findings:
+        evidence = finding.evidence
+        assert evidence.by_joint == {joint: pytest.approx(evidence.gain)}
+
+
 def test_the_delay_fits_best_with_what_it_delays():
     model = declared_model()
     residual = find_residual(model, recorded(late_with(ripple, 6.0))[:-1])

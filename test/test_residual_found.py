@@ -1,5 +1,7 @@
 """What a trace found, each beside all the rest: delays delay all of it, as long as they stand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from residual_helpers import constant_friction, declared_model, on, recorded, ripple
@@ -77,6 +79,45 @@ def test_what_a_delay_delayed_comes_at_once_without_it(late_ripple):
     (before, _), (after, _) = rippled.chosen.parts[0], found.steps[0].chosen.parts[0]
     assert np.abs(before.columns[JOINT] - before.prompt[JOINT]).max() > 0.1
     np.testing.assert_array_equal(after.columns[JOINT], before.prompt[JOINT])
+
+
+def test_a_delay_is_worth_what_is_lost_without_it(late_ripple):
+    """What it delayed comes at once then."""
+    found = found_in(late_ripple)
+    rippled, delay = found.steps
+    before, (value, own) = found.blocks().misfit(JOINT), (
+        found.evidence(step) for step in (delay, rippled))
+    assert own.gain == pytest.approx(single(
+        own.parts[0][0], found.beside(rippled).evaluate(own.columns)).gain)
+    found.drop(delay)
+    lost = found.blocks().misfit(JOINT) - before
+    np.testing.assert_allclose(value.by_block, lost, rtol=1e-6, atol=1e-6)
+    (_, score), = value.parts
+    assert value.gain == pytest.approx(lost.sum()) == score.by_joint[JOINT] > 1000.0
+
+
+@pytest.mark.parametrize('expected, joints', [(False, {JOINT}), (True, set())])
+def test_what_is_as_expected_is_not_searched_again(late_ripple, expected, joints):
+    model, residual, those = late_ripple
+    found = Found(model, residual, (), None, lambda candidate: True)
+    found.add(step(those['viscous_friction']), expected)
+    found.add(step(those['torque_ripple']), False)
+    assert found.settle() == joints
+    assert [len(found.steps), len(found.drifted)] == ([1, 1] if expected else [2, 0])
+
+
+def test_what_takes_a_place_is_possible_and_matters(late_ripple):
+    model, residual, those = late_ripple
+    trace = Trace(model, residual, ())
+    (delay, score), = those[LATE].parts
+    for share, possible in ((1.0, True), (-1.0, False), (0.3, False)):
+        fitted = replace(score, theta=np.array([share]) / delay.scale,
+                         covariance=np.array([[1e-4]]) / delay.scale ** 2)
+        assert trace._possible(single(delay, fitted)) == possible
+    (friction, score), = those['viscous_friction'].parts
+    for size, possible in ((1e-4, False), (1.0, True)):
+        assert trace._possible(single(friction, replace(score, theta=np.array([size])))) \
+            == possible
 
 
 def test_a_delay_of_another_size_in_its_place_delays_all(late_ripple):

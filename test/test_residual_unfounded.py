@@ -12,7 +12,8 @@ from hand_load_estimator.effects.presliding_hysteresis import LONGEST
 from hand_load_estimator.effects.shear_thinning_friction import FASTEST
 from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.residual.add import better_model
-from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
+from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding,
+                                                     SUSPECTED, UNKNOWN)
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypothesis import Hypothesis, looks_like_another
 from hand_load_estimator.residual.trace import Trace
@@ -130,8 +131,8 @@ def test_what_is_small_beside_another_at_its_joint_may_be_its_rest(share, joint,
     found, told = small_beside_others((large, small))
     assert found[0] is large and found[1].verdict == (CONFIRMED if sure else SUSPECTED)
     assert told == () if sure else told[0].startswith(
-        f'{JOINTS[1]}: stribeck_friction is only suspected: what it explains is less than 5 % of '
-        'the torque of time_delay there')
+        f'{JOINTS[1]}: stribeck_friction is only suspected: what it explains at {JOINTS[1]} is '
+        'less than 5 % of the torque of time_delay there')
 
 
 @pytest.mark.parametrize('here, sure', [(1e5, False), (1e3, True)])
@@ -153,9 +154,14 @@ def test_a_cause_of_more_joints_stands_where_another_joint_shows_it(elsewhere, s
 
 
 def test_a_loss_at_a_joint_where_nothing_else_is_makes_nothing_small():
-    several = gaining('base_tilt', {0: 500.0, 1: -3.0, 2: -1.0})
-    other = gaining('cable_drag', {2: -2.0, 3: 1e6})
+    several = gaining('base_tilt', {0: 29.9, 1: -3.0, 2: -0.01})
+    other = gaining('cable_drag', {2: 1e3, 3: 1e6})
     assert small_beside_others((several, other)) == ((several, other), ())
+
+
+def test_what_has_no_formula_leaves_no_rest():
+    large, small = gaining(UNKNOWN, {1: 1e6}), gaining('stribeck_friction', {1: 100.0})
+    assert small_beside_others((large, small)) == ((large, small), ())
 
 
 @pytest.mark.parametrize('small', [0, 1])

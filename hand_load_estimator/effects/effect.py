@@ -17,15 +17,15 @@ class EffectInput:
     """
     What the columns of an effect may depend on, (N, n) each.
 
-    q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where
-    it is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
+    q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where it
+    is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
     model needs them: gear [Nm]: torque through the gear, without friction and rotor, gear_way
     [Nm]: how far it goes either way within the motion filter; drive [Nm]: torque of the drive;
-    rate [Nm/s]: how fast it changes; tilt (N, n, 2) [Nm/rad]: torque of turning gravity about
-    Robot.tilt_axes; late(delays): torque of the drive so many seconds ago less the torque now,
-    (N, n) for a delay or delays (n,); play(j, travel, lag, pose_share, impact): what a gap [rad]
-    in the gear of joint j does to the torque of its drive (play.py), (N,) [Nm], or (N, m) for
-    arrays of m joints, gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, power,
+    rate [Nm/s]: how fast it changes, for pictures; tilt (N, n, 2) [Nm/rad]: torque of turning
+    gravity about Robot.tilt_axes; late(delays): torque of the drive so many seconds ago less the
+    torque now, (N, n) for a delay or delays (n,); play(j, travel, lag, pose_share, impact): what a
+    gap [rad] in the gear of joint j does to the torque of its drive (play.py), (N,) [Nm], or (N,
+    m) for arrays of m joints, gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, power,
     *peak): friction of size one as the motion filter shows it (shown_friction.py), (N,) or (N, m)
     [-], peak: of stribeck_curve.left; jerk [rad/s^3] where q, v and a come through the motion
     filter.

@@ -25,7 +25,8 @@ def _evidence(evidence):
     return {'gain': _number(evidence.gain), 'gain_std': _number(evidence.gain_std),
             'needed': _number(evidence.needed), 'blocks': int(evidence.blocks),
             'hypotheses': int(evidence.hypotheses), 'rms': _number(evidence.rms),
-            'next_best': evidence.next_best, 'margin': _number(evidence.margin)}
+            'next_best': evidence.next_best, 'margin': _number(evidence.margin),
+            'by_joint': {j: _number(gain) for j, gain in evidence.by_joint.items()}}
 
 
 def alternatives_content(finding):

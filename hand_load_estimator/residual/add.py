@@ -63,7 +63,7 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     Return the TorqueModel with other uses, identified from Evidence.
 
     changed: (name, joint) of declared effects that the old figures no longer hold for; together:
-    joints whose torque comes late by the same time.
+    joints of one delay, whose `shift` stays one; the shares of each are estimated.
     """
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own)

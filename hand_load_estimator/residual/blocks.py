@@ -70,6 +70,14 @@ class Blocks:
         delta = np.linalg.solve(own.dd.sum(axis=0) + np.eye(d.shape[1]), told)
         return self.residual[:, j] - d @ delta
 
+    def misfit(self, j):
+        """Return the nats (G,) that held-out blocks of joint j are off by beside the nuisances."""
+        out = np.zeros(len(self.starts))
+        for fold in np.unique(self.folds):
+            test = self.folds == fold
+            out[test] = 0.5 * self._joints[j].squares(test, self._null(j, fold))
+        return np.bincount(self._groups, out)
+
     def evaluate(self, columns):
         """Return the Score of columns {joint: (N, k)}, in units of their prior's std."""
         sums = {j: self._cross(j, c) for j, c in columns.items()}

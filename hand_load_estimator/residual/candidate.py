@@ -124,10 +124,26 @@ def with_hypotheses(candidate, hypotheses):
     return replace(candidate, parts=parts)
 
 
-def evaluated(candidate, blocks):
-    """Return the same Candidate with its evidence on Blocks."""
-    pairs = tuple((h, blocks.evaluate(h.columns)) for h in hypotheses_of(candidate))
+def evaluated(candidate, blocks, without=None):
+    """
+    Return the same Candidate with its evidence on Blocks.
+
+    without: Blocks as they are without it, if it changes what else there is.
+    """
+    pairs = tuple((h, _against(blocks.evaluate(h.columns), h.columns, blocks, without or blocks))
+                  for h in hypotheses_of(candidate))
     return in_common(*pairs[0]) if candidate.common else joined(candidate.name, pairs)
+
+
+def _against(score, joints, blocks, without):
+    """Return a Score on Blocks, against others."""
+    if blocks is without:
+        return score
+    more = {j: without.misfit(j) - blocks.misfit(j) for j in joints}
+    by_block = score.by_block + sum(more.values())
+    return replace(score, gain=float(by_block.sum()), std=standard_error(by_block),
+                   by_block=by_block, by_joint={j: score.by_joint[j] + float(more[j].sum())
+                                                for j in joints})
 
 
 def standard_error(by_block):

@@ -19,7 +19,7 @@ def contact(robot, residual):
     """Return the Cause: force (3,) [N] in base axes at the load frame's origin."""
     jacobians = np.array([robot.hand_jacobian(q) for q in residual.x.q])
     # What pushes the hand the drives must hold against.
-    columns = -FORCE * np.swapaxes(jacobians, 1, 2)
+    columns = residual.all_reported(-FORCE * np.swapaxes(jacobians, 1, 2))
     return Cause(Kind(NAME, columns, np.full(3, FORCE), CELL, SHORTEST, LONGEST, False), _possible)
 
 

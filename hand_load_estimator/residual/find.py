@@ -84,6 +84,11 @@ class Residual:
         return {j: own + change_when_late(own, self.dt, self.owner, self.delays[j])
                 if j in self.delays else own for j, own in columns.items()}
 
+    def all_reported(self, columns):
+        """Return the same of columns (N, n, k) of all joints."""
+        late = self.reported({j: columns[:, j] for j in self.delays})
+        return np.stack([late.get(j, columns[:, j]) for j in range(columns.shape[1])], axis=1)
+
     def friction_state(self, distance, power):
         """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
         self.follow_friction(((distance, power),))
@@ -116,7 +121,7 @@ class Residual:
 
     def _leading(self, j, root):
         """Return (N, R): directions of the parameters that joint j tells anything about."""
-        (late,) = self.reported({j: self.columns[:, j]}).values()
+        late = self.reported({j: self.columns[:, j]})[j]
         columns = np.where(self.prompt, late, self.columns[:, j]) @ root
         values, axes = np.linalg.eigh((columns * self.weights[:, j, None]).T @ columns)
         return columns @ axes[:, values > TOLD]
@@ -196,9 +201,12 @@ def _complete(model, x, columns, dt, load):
     """Return an EffectInput with the torques that effects outside the model may read."""
     n, robot = model.robot.n, model.robot
     gear, way = gear_torque(robot, x, model.mean, load)
-    predicted = columns[:, :, 10 * n:] @ model.mean[10 * n:] + gear
+    held = gear - columns[:, :, :10 * n] @ model.mean[:10 * n]
+    predicted = columns @ model.mean + held
+    # A gain is delayed with everything else by the delays that the model declares.
+    drive = model.layout.prompt_torque(columns, model.mean) + held
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
-    return replace(x, gear=gear, gear_way=way, drive=predicted, rate=rate,
+    return replace(x, gear=gear, gear_way=way, drive=drive, rate=rate,
                    late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
                    tilt=tilt_columns(robot, model.layout, x.q, model.mean))

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..effects import EFFECTS, LINK_INERTIA
 from ..effects.knee import KNEE
-from .candidate import ahead, evaluated, hypotheses_of, significant
+from .candidate import ahead, hypotheses_of, significant
 from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .pictures import picture
@@ -29,7 +29,7 @@ def findings_of(model, better, trace, odd=()):
     found = []
     for step in trace.steps:
         blocks = trace.beside(step)
-        again = evaluated(step.chosen, blocks)
+        again = trace.evidence(step)
         found.append(_finding((model, better), trace.residual, trace, step, again, blocks, odd,
                               _shape_std(again, blocks, model, trace.residual)))
     return tuple(found)

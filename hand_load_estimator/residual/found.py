@@ -21,7 +21,7 @@ class Found:
     Steps found on a Residual, in their order.
 
     model, residual, warmed, root: as of Trace; possible(candidate): whether physics allows it and
-    it matters; taken: keys of all Hypotheses; residual: with the delays that were found.
+    it matters; taken: keys of all Hypotheses ever found; residual: with the delays found.
     """
 
     def __init__(self, model, residual, warmed, root, possible):
@@ -46,9 +46,17 @@ class Found:
 
     def beside(self, step):
         """Return Blocks with all other steps for nuisances."""
-        # A plain function would take the place of any effect of its variable.
-        return self._blocks_of(other for other in self._all
-                               if other is not step and other.chosen.name != UNKNOWN)
+        return self._blocks_of(self._others(step))
+
+    def evidence(self, step):
+        """Return the Candidate of a Step against all other steps as they are without it."""
+        others, without = self._others(step), None
+        if step.chosen.name == LATE:
+            # Nothing else is late then.
+            residual = self._with_delays(others)
+            without = self._blocks_of([_step_delayed(other, residual) for other in others],
+                                      residual)
+        return evaluated(step.chosen, self._blocks_of(others), without)
 
     def with_finer_shapes(self, steps):
         """Return Steps found together, each with its finer shape beside the others."""
@@ -108,7 +116,7 @@ class Found:
         step = self._all[k]
         step = self._all[k] = replace(step, chosen=searched_again(
             step.chosen, self.beside(step), self._model, self.residual, self._warmed))
-        self._all[k] = self._plainer(step)
+        self.put(self._plainer(step), step)
         self.taken |= {h.key for h, _ in self._all[k].chosen.parts}
 
     def _search_delay(self, k, places):
@@ -126,7 +134,8 @@ class Found:
     def _plainer(self, step):
         """Return a Step of what its Candidate looks like beside what was found since."""
         chosen, blocks = step.chosen, self.beside(step)
-        others = [evaluated(self._delayed(c), blocks) for c in (*step.alternatives, step.next_best)
+        others = [evaluated(_delayed(c, self.residual), blocks)
+                  for c in (*step.alternatives, step.next_best)
                   if c is not None and c.joints == chosen.joints
                   and not self.taken & {h.key for h, _ in c.parts}]
         plainer = max((c for c in others if looks_like(chosen, c) and self._possible(c)),
@@ -136,26 +145,41 @@ class Found:
         rest = tuple(c for c in step.alternatives if c.name != plainer.name)
         return replace(step, chosen=plainer, alternatives=(chosen, *rest), next_best=chosen)
 
+    def _others(self, step):
+        # A plain function would take the place of any effect of its variable.
+        return [other for other in self._all
+                if other is not step and other.chosen.name != UNKNOWN]
+
     def _place(self, step):
         return next(k for k, own in enumerate(self._all) if own is step)
 
     def _tell_delays(self, new=()):
         """Take the delays of all steps and of new ones: all that was found is as late."""
-        self.residual = replace(self.residual, delays=self.residual.declared)
-        for step in (*self._all, *new):
+        self.residual = self._with_delays([*self._all, *new])
+        self._all = [_step_delayed(step, self.residual) for step in self._all]
+
+    def _with_delays(self, steps):
+        """Return the Residual with the delays of some steps."""
+        residual = replace(self.residual, delays=self.residual.declared)
+        for step in steps:
             for hypothesis, _ in step.chosen.parts if step.chosen.name == LATE else ():
-                self.residual = delayed(self.residual, hypothesis)
-        self._all = [replace(step, chosen=self._delayed(step.chosen)) for step in self._all]
+                residual = delayed(residual, hypothesis)
+        return residual
 
-    def _delayed(self, candidate):
-        """Return a Candidate with the columns that it has beside the delays known now."""
-        return with_hypotheses(candidate, [beside_delays(h, self.residual)
-                                           for h in hypotheses_of(candidate)])
-
-    def _blocks_of(self, steps):
+    def _blocks_of(self, steps, residual=None):
         """Return Blocks with the effects of some steps for nuisances."""
-        blocks = self.residual.blocks(self._root)
+        blocks = (residual or self.residual).blocks(self._root)
         for step in steps:
             for hypothesis, _ in step.chosen.parts:
                 blocks.add(hypothesis.columns)
         return blocks
+
+
+def _delayed(candidate, residual):
+    """Return a Candidate with the columns that it has beside the delays of a Residual."""
+    return with_hypotheses(candidate, [beside_delays(h, residual)
+                                       for h in hypotheses_of(candidate)])
+
+
+def _step_delayed(step, residual):
+    return replace(step, chosen=_delayed(step.chosen, residual))

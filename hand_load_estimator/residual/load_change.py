@@ -28,7 +28,7 @@ def load_change(robot, residual, declared):
     """
     x, rated = residual.x, robot.rated_load.mass
     scale = rated * np.array([1.0, *[REACH] * 3, *[REACH ** 2 + GYRATION] * 6])
-    columns = robot.load_columns(shown_links(robot, x))
+    columns = residual.all_reported(robot.load_columns(shown_links(robot, x)))
     kind = Kind(NAME, columns * scale, scale, CELL, SHORTEST, LONGEST, True)
 
     def possible(products, covariance, owner):

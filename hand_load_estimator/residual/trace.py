@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..effects import LATE
 from .candidate import evaluated, in_common, joined, significant, single
 from .choice import chosen_step
 from .diagnosis import UNKNOWN
@@ -102,6 +103,8 @@ class Trace:
             again = self.still_gains(step)
             if again.gain < step.needed or not self.matters(again):
                 self._found.drop(step)
+                # What else it delayed is to be asked again.
+                kept = 0 if step.chosen.name == LATE else kept
                 continue
             shown = self._where_it_shows(step, again)
             if shown is not step:
@@ -117,6 +120,10 @@ class Trace:
     def still_gains(self, step):
         """Return the Candidate of a step evaluated beside all other steps."""
         return evaluated(step.chosen, self.beside(step))
+
+    def evidence(self, step):
+        """Return the Candidate of a step against all other steps as they are without it."""
+        return self._found.evidence(step)
 
     def _where_it_shows(self, step, again):
         """Return the step without joints that were taken along and show it no more."""

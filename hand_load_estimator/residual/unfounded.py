@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from ..effects import EFFECTS, LATE
 from .candidate import SIGMAS
-from .diagnosis import CONFIRMED, SUSPECTED
+from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from .hypothesis import WHOLE
 
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
@@ -66,7 +66,7 @@ def small_beside_others(findings):
     Return (Findings, sentences): suspected is what gains too little beside others at its joints.
 
     No formula is exact: a large effect leaves a rest, which another effect may look like. What
-    happened once is cut out, has no gain at a joint, and leaves none.
+    has no formula leaves none, nor what happened once and is cut out.
     """
     said = [_small(finding, findings) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
@@ -74,20 +74,23 @@ def small_beside_others(findings):
 
 
 def _small(finding, findings):
-    """Return in words that a Finding is small beside others wherever it is, or an empty string."""
+    """Return in words that a Finding is small beside others wherever it gains, or ''."""
     if finding.verdict != CONFIRMED:
         return ''
-    own, larger = finding.evidence.by_joint, {}
+    named = [f for f in findings if f.verdict == CONFIRMED and f is not finding
+             and f.name != UNKNOWN]
+    own = {j: gain for j, gain in finding.evidence.by_joint.items() if gain > 0.0}
+    larger = {}
     for joint, gain in own.items():
-        most, name = max(((f.evidence.by_joint.get(joint, 0.0), f.name) for f in findings
-                          if f.verdict == CONFIRMED and f is not finding), default=(0.0, ''))
-        if most > 0.0 and gain < EXACT ** 2 * most:
+        most, name = max(((f.evidence.by_joint.get(joint, 0.0), f.name) for f in named),
+                         default=(0.0, ''))
+        if gain < EXACT ** 2 * most:
             larger[joint] = name
     elsewhere = sum(gain for joint, gain in own.items() if joint not in larger)
     if not larger or elsewhere >= finding.evidence.needed:
         return ''
-    return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: what it explains is '
-            f'less than {100.0 * EXACT:g} % of the torque of '
+    return (f'{", ".join(finding.joints)}: {finding.name} is only suspected: what it explains at '
+            f'{" and ".join(larger)} is less than {100.0 * EXACT:g} % of the torque of '
             f'{" and ".join(dict.fromkeys(larger.values()))} there, which may be a rest of that')
 
 
