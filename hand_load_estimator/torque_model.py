@@ -19,6 +19,9 @@ from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, 
 DRIFTS = 3
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0
+# Effects of temperature, and which of a joint's drifts an unknown temperature looks like.
+WARMED = {'temperature_dependent_coulomb_friction': 1,
+          'temperature_dependent_viscous_friction': 2}
 
 
 @dataclass(frozen=True)
@@ -135,9 +138,9 @@ def drift_std(model, known):
     """
     drift = model.residuals.drift.copy()
     for use, columns in model.slices():
-        if use.name == 'temperature_dependent_viscous_friction' and not known[use.joint]:
-            slope = abs(model.mean[columns.start])
-            drift[use.joint, 2] = np.hypot(drift[use.joint, 2], slope * UNKNOWN_WARMTH)
+        if use.name in WARMED and not known[use.joint]:
+            where, slope = (use.joint, WARMED[use.name]), abs(model.mean[columns.start])
+            drift[where] = np.hypot(drift[where], slope * UNKNOWN_WARMTH)
     return drift
 
 

@@ -88,6 +88,7 @@ def assert_schema(report, n=4):
         assert set(effect['joints']) <= set(report['joints']) and len(effect['explained']) == n
         assert all(set(p) == {'mean', 'std', 'unit'} for p in effect['parameters'].values())
         assert {'gain', 'gain_std', 'needed'} <= set(effect['evidence'])
+        assert all(isinstance(name, str) for name in effect['alternatives'])
     assert_structure(report['structure'], n)
     error = report['load_error']
     if error is None:

@@ -13,7 +13,7 @@ def finding(name, joints=(JOINT,), verdict=CONFIRMED, alternatives=(), advice=''
             frequency=None):
     """Return a finding as report.json has it, as far as it is judged."""
     return {'name': name, 'joints': list(joints), 'verdict': verdict,
-            'alternatives': list(alternatives), 'advice': advice,
+            'alternatives_detail': list(alternatives), 'advice': advice,
             'variables': list(variables), 'parameters': {} if frequency is None else {
                 'frequency': {'mean': frequency, 'std': None, 'unit': 'Hz'}}}
 

@@ -21,7 +21,8 @@ def test_json_has_the_keys_of_the_contract():
     assert effect['explained'] == [0.0, 0.0, 0.71, 0.0, 0.0, 0.0]
     assert effect['evidence']['next_best'] == 'cable_drag'
     assert effect['verdict'] == 'confirmed'
-    assert content['effects'][1]['alternatives'] == [
+    assert content['effects'][1]['alternatives'] == ['link_inertia', 'cable_drag']
+    assert content['effects'][1]['alternatives_detail'] == [
         {'effect': 'link_inertia', 'joints': ['shoulder_lift_joint', 'wrist_1_joint'],
          'behind': 2.5, 'std': 4.0},
         {'effect': 'cable_drag', 'joints': ['shoulder_lift_joint'], 'behind': 12.5, 'std': 9.0}]

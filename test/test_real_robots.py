@@ -147,7 +147,7 @@ def report_of(effects, cannot_tell=()):
 
 def effect(name, joints, verdict='confirmed', alternatives=()):
     return {'name': name, 'joints': joints, 'verdict': verdict,
-            'alternatives': [{'effect': other, 'joints': joints, 'behind': 1.0, 'std': 1.0}
+            'alternatives_detail': [{'effect': other, 'joints': joints, 'behind': 1.0, 'std': 1.0}
                              for other in alternatives]}
 
 
@@ -170,7 +170,7 @@ def test_the_table_names_effects_at_their_joints():
 
 
 def test_what_may_as_well_be_stands_at_its_own_joints_only():
-    tilt = {**effect('base_tilt', ['lift', 'twist']), 'alternatives': [
+    tilt = {**effect('base_tilt', ['lift', 'twist']), 'alternatives_detail': [
         {'effect': 'cable_drag', 'joints': ['twist'], 'behind': 1.0, 'std': 1.0}]}
     lines = told({'kr300': report_of([tilt])}).splitlines()
     assert '| `base_tilt` (confirmed) |' in lines[2]

@@ -100,7 +100,7 @@ def test_a_joint_that_was_taken_along_and_shows_nothing_beside_the_others_is_lef
                      for j, gain in found.items())
     chosen = joined('torque_scale', parts({0: 100.0, 1: 50.0, 2: 90.0}))
     again = joined('torque_scale', parts(gains))
-    trace = SimpleNamespace(_strong=lambda _, score: score.gain > 8.0)
+    trace = SimpleNamespace(_gains=lambda score: score.gain > 8.0, _weighs=lambda candidate: True)
     step = Step(chosen, (), None, 30.0)
     kept = Trace._where_it_shows(trace, step, again)
     assert kept.chosen.joints == [0, 2] and kept.chosen.gain == pytest.approx(190.0)

@@ -75,8 +75,8 @@ def _here(finding, effect):
 
 def _both_named(finding, name, widely):
     """Tell whether a finding names an effect as one that nobody could tell from it."""
-    if not finding['advice'] or not any(_untold(other, finding) for other
-                                        in finding['alternatives'] if other['effect'] == name):
+    others = [other for other in finding['alternatives_detail'] if other['effect'] == name]
+    if not finding['advice'] or not any(_untold(other, finding) for other in others):
         return False
     if widely and finding['advice'].startswith(NO_MOTION):
         return True
@@ -114,7 +114,8 @@ def _outcome(effect, result, false, widely):
         (FOUND, naming(findings, effect) is not None),
         (BOTH, any(_both_named(f, name, widely) for f in here)),
         (WRONG_JOINT, any(f['name'] == name for f in confirmed)),
-        (ALTERNATIVE, any(name == other['effect'] for f in here for other in f['alternatives'])),
+        (ALTERNATIVE, any(name == other['effect'] for f in here
+                          for other in f['alternatives_detail'])),
         (SUSPECTED, any(f['name'] == name and _here(f, effect) for f in findings)),
         (CONFUSED, bool(false)),
         (EXCLUDED, name in FROM_OUTSIDE))

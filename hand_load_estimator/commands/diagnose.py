@@ -73,7 +73,8 @@ def run(args):
     (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
     write_page(out / 'report.html', diagnosis)
     print(json.dumps(content) if args.json
-          else '\n'.join((*sentences(diagnosis), str(out / 'report.html'))))
+          else '\n'.join((*sentences(diagnosis), *diagnosis.cannot_tell,
+                          str(out / 'report.html'))))
     return 0
 
 

@@ -30,7 +30,7 @@ def _evidence(evidence):
 
 
 def alternatives_content(finding):
-    """Return the alternatives of a Finding as plain JSON values; behind, std [nats]."""
+    """Return what is told of a Finding's alternatives, in their order; behind, std [nats]."""
     return [{'effect': other.name, 'joints': list(other.joints), 'behind': _number(other.behind),
              'std': _number(other.std)} for other in finding.alternatives]
 
@@ -40,7 +40,8 @@ def _effect(finding):
             'parameters': _parameters(finding.parameters),
             'explained': _numbers(finding.explained),
             'evidence': _evidence(finding.evidence),
-            'alternatives': alternatives_content(finding),
+            'alternatives': list(dict.fromkeys(other.name for other in finding.alternatives)),
+            'alternatives_detail': alternatives_content(finding),
             'verdict': finding.verdict,
             'advice': finding.advice, 'changed': bool(finding.changed),
             'variables': list(finding.variables), 'recording': finding.recording or None}

@@ -37,6 +37,8 @@ def _nothing(diagnosis):
     if not np.isfinite(diagnosis.unexplained).all():
         return (f'No effect found; these recordings cannot tell whether the torque model fits '
                 f'{diagnosis.robot}')
+    if diagnosis.cannot_tell:
+        return f'No missing effect found in {diagnosis.robot}, as far as these recordings tell'
     return f'No missing effect found: the torque model fits {diagnosis.robot}'
 
 

@@ -137,7 +137,7 @@ def _with_whole_delays(n, uses, together, x, covariance):
     """
     Return uses and x (P,) with the delays that make each share a whole one.
 
-    A share of nothing is that of a delay nobody has estimated; one far from a whole stays. Joints
+    A share of nothing is that of a delay nobody has estimated; half of one or less stays. Joints
     (indices) that are late together keep one delay.
     """
     uses, x, groups = list(uses), x.copy(), {}
@@ -149,7 +149,8 @@ def _with_whole_delays(n, uses, together, x, covariance):
         numbers = [number for _, number in those]
         variance = np.maximum(np.diag(covariance)[numbers], NONE)
         share = np.average(x[numbers], weights=1.0 / variance)
-        if share and abs(share - 1.0) > DOUBTFUL:
+        # More than a whole is a longer delay.
+        if share and share < 1.0 - DOUBTFUL:
             continue
         x[numbers] = 1.0
         for k, _ in those if share else ():

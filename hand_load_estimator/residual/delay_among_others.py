@@ -15,6 +15,8 @@ from .hypothesis import beside_delays, whole
 
 # Of the delay found without the others; a ripple's phase comes back within that.
 FACTORS = np.geomspace(0.4, 2.5, 15)
+# Where the best stands at an end, the search goes on from there, so many times in all.
+FURTHER = 3
 # [-] of the logarithm of the delay, when it is near enough.
 CLOSE = 2e-3
 
@@ -35,9 +37,14 @@ def delay_among(hypothesis, others, blocks, model, residual):
         (moved,) = of_shapes(hypothesis, [{'shift': float(shift)}], model, residual)
         return moved, *_together(moved, others, blocks, delayed(residual, moved))
 
-    shifts = hypothesis.shape['shift'] * FACTORS
-    found = [tried(shift) for shift in shifts]
-    at = max(range(len(found)), key=lambda k: found[k][1:3])
+    start = hypothesis.shape['shift']
+    for _ in range(FURTHER):
+        shifts = start * FACTORS
+        found = [tried(shift) for shift in shifts]
+        at = max(range(len(found)), key=lambda k: found[k][1:3])
+        start = shifts[at]
+        if 0 < at < len(shifts) - 1:
+            break
     about = np.log(shifts[[max(at - 1, 0), min(at + 1, len(shifts) - 1)]])
     best = minimize_scalar(lambda log: -tried(np.exp(log))[2], bounds=about, method='bounded',
                            options={'xatol': CLOSE})
@@ -51,7 +58,7 @@ def _together(delay, others, blocks, residual):
     """Return (is the share a whole, nats gained, share) of a delay and what it delays."""
     gain, shares, doubts = 0.0, [], []
     for j, own in delay.columns.items():
-        beside = [beside_delays(other, residual).columns[j] for other in others
+        beside = [beside_delays(other.at(j), residual).columns[j] for other in others
                   if j in other.columns]
         score = blocks.evaluate({j: np.hstack([own, *beside])})
         gain += score.gain

@@ -11,17 +11,20 @@ from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
 from .add import better_model
 from .another_robot import refuse_another_robot
+from .another_state import of_another_state
 from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .disturbance import Disturbances, undisturbed
 from .disturbance_findings import disturbance_findings
+from .few_temperatures import between_two_temperatures
 from .find import find_residual
 from .findings import findings_of, refuted
 from .folds import only_suspected, repeated
 from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names, made_from
-from .limits import refuse_the_useless, still_joints, too_little_gained, warmed_joints
+from .limits import (refuse_the_useless, slow_joint_states, still_joints, too_little_gained,
+                     warmed_joints)
 from .load_change import load_change
 from .mostly_structure import mostly_structure
 from .not_named import sentences_on
@@ -31,8 +34,9 @@ from .standing import Standing
 from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
 from .time_left import long_loads, many_rejected, refuse_too_short
-from .trace import Trace
-from .unfounded import faint_in, of_another_kind, small_beside_others
+from .trace import ROUNDS, Trace
+from .unfounded import (faint_in, of_another_kind, small_beside_others, unsure_in,
+                        without_unsure)
 from .unknown import left_over, unexplained_joints, unknown_left
 
 # Without recordings to test on, the last part of every recording is kept for that.
@@ -79,9 +83,12 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
                               (names, whole, outside.found), (before, after))
+    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
+    findings, state = of_another_state(findings, model, residual)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
-    cannot = [*by_name, *told, *sentences, *still.values(),
+    cannot = [*state, *by_name, *told, *sentences, *slow_joint_states(evidence),
+              *still.values(), *_unfinished(trace),
               *repeated(residual.cut, evidence, test),
               *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
@@ -94,7 +101,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + sentences_on(structure, model.robot.joints),
+        remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure,
         sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
 
@@ -129,11 +136,12 @@ def _found(models, residual, traced, outside, errors):
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
     findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
+    findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     findings, small = small_beside_others(findings)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + small + doubts
+    return findings, wrong + kinds + unsure + small + doubts
 
 
 def _residual(model, evidence):
@@ -224,6 +232,13 @@ def errors_of(model, evidence):
     """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
     residuals = [find_residual(model, [e], cut=False) for e in evidence]
     return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
+
+
+def _unfinished(trace):
+    """Return the sentence on a search that its last round did not end."""
+    return [f'cannot tell whether there are more than {len(trace.steps)} effects because the '
+            f'search ends after {ROUNDS} rounds; diagnose again with the model written'
+            ] if trace.unfinished else []
 
 
 def _structured(rest):

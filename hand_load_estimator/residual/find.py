@@ -14,7 +14,7 @@ from ..presliding import presliding_path, stuck_density
 from ..sliding import surely_slides
 from ..torque_columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
                               torque_columns)
-from ..torque_model import nuisance_columns, uncertain_directions
+from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT
 from .repeats import first_shown
@@ -133,7 +133,8 @@ def find_residual(model, evidence, cut=True):
 
     cut: into blocks, to compare hypotheses on.
     """
-    parts = [_of_recording(model, e, cut) for e in evidence]
+    root = uncertain_directions(model, DIRECTIONS, 0)
+    parts = [_of_recording(model, root, e, cut) for e in evidence]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
@@ -142,10 +143,9 @@ def find_residual(model, evidence, cut=True):
         x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
-    own = declared_delays(model)
+    own, doubt = declared_delays(model), joined.pop('doubt')
     return Residual(x, owner=owner, prompt=model.layout.prompt, cut=pieces, noise=noise,
-                    delays=own, declared=own, expected=_expected(model, joined['columns'], x),
-                    **joined)
+                    delays=own, declared=own, expected=np.sqrt(doubt.mean(axis=0)), **joined)
 
 
 def declared_delays(model):
@@ -165,14 +165,18 @@ def _joined_input(parts):
         play=play, shown=lambda *places: np.concatenate([p.shown(*places) for p in parts]))
 
 
-def _expected(model, columns, x):
-    """Return the RMS (n,) [Nm] of what the model's covariance and drift may do."""
-    root = uncertain_directions(model, DIRECTIONS, 0)
-    doubt = nuisance_columns(columns, root, model.residuals.drift, x.z, x.v)
-    return np.sqrt((doubt ** 2).sum(axis=2).mean(axis=0))
+def _doubt(model, root, columns, x, temperature):
+    """
+    Return the variance (N, n) [Nm^2] of what the model's covariance and drift may do.
+
+    root (P, r): the covariance's leading directions. A joint of unknown temperature may have the
+    friction of any.
+    """
+    drift = drift_std(model, np.isfinite(temperature).any(axis=0))
+    return (nuisance_columns(columns, root, drift, x.z, x.v) ** 2).sum(axis=2)
 
 
-def _of_recording(model, evidence, compared):
+def _of_recording(model, root, evidence, compared):
     """Return the row-wise fields of a Residual for one recording, to compare hypotheses or not."""
     robot, motion = model.robot, evidence.motion
     x, doubt = motion_input(robot, motion, model.presliding_distance(),
@@ -194,7 +198,8 @@ def _of_recording(model, evidence, compared):
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
             'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),
             'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
-            'sliding': surely_slides(x.v, x.z, doubt) & tells}
+            'sliding': surely_slides(x.v, x.z, doubt) & tells,
+            'doubt': _doubt(model, root, columns, x, motion.temperature)}
 
 
 def _complete(model, x, columns, dt, load):

@@ -29,7 +29,7 @@ def findings_of(model, better, trace, odd=()):
     found = []
     for step in trace.steps:
         blocks = trace.beside(step)
-        again = trace.evidence(step)
+        again = trace.still_gains(step)
         found.append(_finding((model, better), trace.residual, trace, step, again, blocks, odd,
                               _shape_std(again, blocks, model, trace.residual)))
     return tuple(found)
@@ -50,7 +50,7 @@ def _finding(models, residual, trace, step, again, blocks, odd, searched):
     robot = model.robot
     torque = chosen.torque(robot.n)
     # What else was fitted is fitted again without the effect, and beside it.
-    without = left_over(robot, blocks)
+    without = left_over(robot, trace.without(step))
     partial = np.stack([blocks.left_over(j, torque[:, j]) for j in range(robot.n)], axis=1)
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
@@ -137,7 +137,7 @@ def separating_motion(residual, chosen, alternatives):
                 f'{chosen.variable} covers its range while everything else stays the same')
     if chosen.joints == [0] and chosen.name == 'rotor_inertia' and 'link_inertia' in alternatives:
         (rotor, _), = chosen.parts
-        if same_torque(rotor.columns[0], residual.columns[:, 0, :10]):
+        if same_torque((rotor.prompt or rotor.columns)[0], residual.columns[:, 0, :10]):
             return (f'{NO_MOTION} them: the first link turns about the axis of its own joint '
                     'only, as the rotor does; the model holds the sum of both')
     return advice(chosen.name, alternatives)

@@ -50,13 +50,17 @@ class Found:
 
     def evidence(self, step):
         """Return the Candidate of a Step against all other steps as they are without it."""
-        others, without = self._others(step), None
-        if step.chosen.name == LATE:
-            # Nothing else is late then.
-            residual = self._with_delays(others)
-            without = self._blocks_of([_step_delayed(other, residual) for other in others],
-                                      residual)
-        return evaluated(step.chosen, self._blocks_of(others), without)
+        late = step.chosen.name == LATE
+        return evaluated(step.chosen, self.beside(step), self.without(step) if late else None)
+
+    def without(self, step):
+        """Return Blocks with all other steps as they are without a Step."""
+        if step.chosen.name != LATE:
+            return self.beside(step)
+        # Nothing else is late then.
+        others = self._others(step)
+        residual = self._with_delays(others)
+        return self._blocks_of([_step_delayed(other, residual) for other in others], residual)
 
     def with_finer_shapes(self, steps):
         """Return Steps found together, each with its finer shape beside the others."""

@@ -14,6 +14,7 @@ from .diagnosis import UNKNOWN
 from .find import use_of
 from .hypothesis import beside_delays, EFFECT_FACTOR, Hypothesis, LINK_FACTOR, searched
 from .leaning_base import tilted
+from .limits import SLOWEST_RATE
 from .plain_functions import functions, VARIABLES
 from .ripple import likely_periods
 
@@ -41,10 +42,16 @@ def hypotheses(model, residual, blocks, warmed, done=()):
     for j in range(model.robot.n):
         yield from of_joint(model, residual, blocks, warmed, j, done)
     for name in ONE_CAUSE:
-        if (name, None, '') not in done:
+        if (name, None, '') not in done and _often(residual, name):
             yield from _late(_in_common(model, residual, EFFECTS[name], warmed), residual)
     if ('base_tilt', 0, '') not in done:
         yield tilted(model, residual)
+
+
+def _often(residual, name):
+    """Tell whether joint states come often enough to tell an effect."""
+    spacing = np.median(residual.dt / residual.messages)
+    return name != LATE or spacing * SLOWEST_RATE <= 1.0
 
 
 def of_joint(model, residual, blocks, warmed, j, done=()):
@@ -60,7 +67,7 @@ def _of_joint(model, residual, blocks, warmed, j, done):
     residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
     for name, effect in EFFECTS.items():
         if effect.whole_arm or effect.learned or (name, j, '') in done \
-                or not _seen(model, effect, j):
+                or not _seen(model, effect, j) or not _often(residual, name):
             continue
         if j in warmed or 'warmth' not in effect.needs:
             yield from _of_effect(model, residual, blocks, effect, j)

@@ -9,6 +9,8 @@ from .time_left import names, refuse_too_short
 
 STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
+# Between joint states that come less often [Hz] positions are guessed at, and when a torque came.
+SLOWEST_RATE = 30.0
 NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
 
@@ -30,15 +32,26 @@ def warmed_joints(model, evidence):
     columns = np.concatenate([e.motion.temperature for e in evidence]).T
     known = [column[np.isfinite(column)] for column in columns]
     if not any(len(column) for column in known):
-        return (), ['cannot tell effects of temperature because none was recorded']
+        return (), ['cannot tell effects of temperature because none was recorded; friction as of '
+                    'another temperature counts as expected']
     spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
     warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
     if not warmed:
         return (), [f'cannot tell effects of temperature because the joints differ by only '
                     f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
-    return warmed, [f'cannot tell effects of temperature of {model.robot.joints[j]} because it '
-                    f'differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed'
-                    for j, span in enumerate(spans) if j not in warmed]
+    why = [f'it differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed' if len(column)
+           else 'none was recorded' for span, column in zip(spans, known)]
+    return warmed, [f'cannot tell effects of temperature of {model.robot.joints[j]} because '
+                    f'{why[j]}' for j in range(model.robot.n) if j not in warmed]
+
+
+def slow_joint_states(evidence):
+    """Return the sentence on recordings whose joint states come too rarely for delays."""
+    rates = {e.name: 1.0 / np.median(e.motion.dt / e.motion.messages) for e in evidence}
+    slow = {name: rate for name, rate in rates.items() if rate < SLOWEST_RATE}
+    return [f'cannot tell delays, and little of quick motion, because {", ".join(slow)} has joint '
+            f'states at {min(slow.values()):.0f} Hz only; {SLOWEST_RATE:g} Hz are needed'
+            ] if slow else []
 
 
 def still_joints(model, evidence):

@@ -69,14 +69,14 @@ class Together:
         needed [nats]; matters: tells whether a Candidate's torque is worth a place.
         """
         next_best = self._beside(chosen)
-        if not next_best or next_best[0].gain < needed:
-            return ()
+        late = self._with_its_delay(chosen)
+        steps = self._delayed(late, chosen, next_best, needed) if late else ()
+        if steps or not next_best or next_best[0].gain < needed:
+            return steps
         pairs = [Pair(c, other) for c in self._singles if c.name != chosen.name
                  for other in self._named(c)[:PARTNERS] if other.name != chosen.name]
-        # What comes late is searched with the delay: beside what it looks like undelayed, none is.
-        delay = next((c for c in self._singles if c.name == LATE), None)
-        if delay is not None and chosen.name not in (LATE, UNKNOWN):
-            pairs.append(self._finished(Pair(delay, chosen)))
+        if late:
+            pairs.append(late)
         best = self._best(pairs)
         # Every pair is a trial, too.
         if best is None or not self._better(best.both, chosen, next_best,
@@ -85,6 +85,29 @@ class Together:
         steps = self._steps(best, chosen.name, needed)
         return steps if all(s.chosen.gain > needed and significant(s.chosen)
                             and matters(s.chosen) for s in steps) else ()
+
+    def _with_its_delay(self, chosen):
+        """Return the Pair of the joint's delay and a Candidate that it delays, or None."""
+        delay = next((c for c in self._singles if c.name == LATE), None)
+        if delay is None or chosen.name in (LATE, UNKNOWN):
+            return None
+        pair = self._finished(Pair(delay, chosen))
+        return pair if self._possible(pair) else None
+
+    def _delayed(self, pair, chosen, next_best, needed):
+        """
+        Return the Steps of a delay and what it delays, or ().
+
+        Beside what it delays, undelayed, a delay may gain nothing: it counts with all that is
+        lost without it, which must be more than anything else gains beside the Candidate.
+        """
+        lost = ahead(pair.both, chosen)
+        least = needed + max([0.0] + [c.gain for c in next_best if c.name != LATE])
+        if lost.gain < least or not significant(lost):
+            return ()
+        delay = self._beside_other(pair.first, pair.second)
+        worth = replace(delay, gain=lost.gain, std=lost.std, by_block=lost.by_block)
+        return Step(worth, (), None, needed), Step(pair.second, (), None, needed)
 
     def _better(self, both, chosen, next_best, needed):
         if chosen.name == UNKNOWN:

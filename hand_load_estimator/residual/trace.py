@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import LATE
-from .candidate import evaluated, in_common, joined, significant, single
+from .candidate import ahead, evaluated, in_common, joined, significant, single
 from .choice import chosen_step
 from .diagnosis import UNKNOWN
 from .finer_shape import best_of_each, search_around
@@ -47,7 +47,8 @@ class Trace:
     root: what Residual.blocks takes, for recordings that the model itself was made from;
     steps: what was found; drifted: changes of declared effects no larger than the model says to
     expect; trials: hypotheses tried in the first round; nearly: Candidates of the last round that
-    gained surely, but less than `needed` [nats].
+    gained surely, but less than `needed` [nats]; unfinished: whether the last of ROUNDS found
+    something still.
     """
 
     def __init__(self, model, residual, warmed, root=None,
@@ -55,7 +56,7 @@ class Trace:
         self._model, self._warmed, self._progress = model, warmed, progress
         self._found = Found(model, residual, warmed, root, self._possible)
         self.blocks, self.trials = residual.blocks(root), 0
-        self.nearly, self.needed = [], 0.0
+        self.nearly, self.needed, self.unfinished = [], 0.0, False
         std = np.sqrt(np.diag(model.covariance))
         self._declared = {(use.name, use.joint): (model.mean[where], std[where])
                           for use, where in model.slices()}
@@ -93,6 +94,8 @@ class Trace:
             changed = self._found.settle()
             self.blocks = self._found.blocks()
             self._forget(changed.union(*(step.chosen.touched for step in steps)))
+        else:
+            self.unfinished = True
         return self.steps
 
     def keep_what_still_gains(self):
@@ -101,7 +104,7 @@ class Trace:
         while kept < len(self.steps):
             step = self.steps[kept]
             again = self.still_gains(step)
-            if again.gain < step.needed or not self.matters(again):
+            if again.gain < step.needed or not self._weighs(again):
                 self._found.drop(step)
                 # What else it delayed is to be asked again.
                 kept = 0 if step.chosen.name == LATE else kept
@@ -118,10 +121,6 @@ class Trace:
         self.blocks = self._found.blocks()
 
     def still_gains(self, step):
-        """Return the Candidate of a step evaluated beside all other steps."""
-        return evaluated(step.chosen, self.beside(step))
-
-    def evidence(self, step):
         """Return the Candidate of a step against all other steps as they are without it."""
         return self._found.evidence(step)
 
@@ -129,7 +128,8 @@ class Trace:
         """Return the step without joints that were taken along and show it no more."""
         if again.common or len(again.parts) == 1:
             return step
-        shows = {h.joint for h, score in again.parts if self._strong(h, score)}
+        shows = {h.joint for h, score in again.parts
+                 if self._gains(score) and self._weighs(single(h, score))}
         kept = tuple(pair for pair in step.chosen.parts if pair[0].joint in shows)
         if len(kept) in (0, len(step.chosen.parts)):
             return step
@@ -138,6 +138,10 @@ class Trace:
     def beside(self, step):
         """Return Blocks with all other steps for nuisances."""
         return self._found.beside(step)
+
+    def without(self, step):
+        """Return Blocks with all other steps as they are without a step."""
+        return self._found.without(step)
 
     def unexplained(self):
         """Return the indices of joints where what has no name is more than a rest."""
@@ -230,7 +234,7 @@ class Trace:
         unknown = [c for c in singles if c.name == UNKNOWN]
         named = [c for c in singles if c.name != UNKNOWN and c.name not in ONE_CAUSE]
         for name in ONE_CAUSE:
-            named += self._of_the_arm([pair for pair in scores if pair[0].name == name])
+            named += self._of_the_arm([pair for pair in scores if pair[0].name == name], named)
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
@@ -240,11 +244,19 @@ class Trace:
                    and explained[j] < ADEQUATE * c.gain]
         return adequate + orphans
 
-    def _of_the_arm(self, pairs):
-        """Return the Candidates of one cause: on joints that show it, and the same on all."""
-        strong = tuple(pair for pair in pairs if pair[0].joint is not None
-                       and self._strong(*pair))
-        found = [joined(strong[0][0].name, strong)] if strong else []
+    def _of_the_arm(self, pairs, others):
+        """
+        Return the Candidates of one cause: on joints that show it, and the same on all.
+
+        others: Candidates of other causes, each of one joint. Where one of them surely explains
+        its joint better, the cause is none of that joint, however much all joints together gain.
+        """
+        strong = [pair for pair in pairs if pair[0].joint is not None and self._strong(*pair)]
+        own = tuple(pair for pair in strong if not any(
+            c.joints == [pair[0].joint] and significant(ahead(c, single(*pair))) for c in others))
+        found = [joined(own[0][0].name, own)] if own else []
+        if len(own) < len(strong):
+            return found
         # Where a joint has it already, the others do not have the same.
         taken = {name for name, _, _ in self._taken}
         return found + [in_common(*pair) for pair in pairs
@@ -256,8 +268,14 @@ class Trace:
 
     def _strong(self, hypothesis, score):
         """Tell whether one joint shows a cause of the whole arm by itself."""
-        return score.gain > PART_GAIN + np.log(self.trials) \
-            and self.matters(single(hypothesis, score))
+        return self._gains(score) and self.matters(single(hypothesis, score))
+
+    def _gains(self, score):
+        return score.gain > PART_GAIN + np.log(self.trials)
+
+    def _weighs(self, candidate):
+        """Tell whether what is found already matters: a delay by all that it delays."""
+        return candidate.name == LATE or self.matters(candidate)
 
     def _adequate(self, candidate, best):
         """Tell whether no plain function explains much more where the candidate acts."""

@@ -11,6 +11,9 @@ leaves.
 
 from dataclasses import replace
 
+import numpy as np
+from scipy.stats import chi2
+
 from ..effects import EFFECTS, LATE
 from .candidate import SIGMAS
 from .diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
@@ -18,6 +21,10 @@ from .hypothesis import WHOLE
 
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
 EXACT = 0.05
+# Figures of an effect are sure where chance makes as large ones in less than the rest of this.
+CERTAIN = 0.95
+# Directions of a covariance below this share of their own units are rounding.
+ROUNDING = 1e-9
 
 
 def of_another_kind(findings, faint=()):
@@ -104,8 +111,77 @@ def faint_in(model, better, trace):
             for step in trace.steps if _faint(model, better, trace, step.chosen)}
 
 
+def unsure_in(model, better, trace):
+    """
+    Return {(name, joints): joints} of steps, and where the better model may hold nothing of them.
+
+    That is where all figures of an effect, or what they changed by, are within chance (Wald's
+    test with the model's own covariance). What joints have in common they show together, and a
+    delay is held to be a whole.
+    """
+    found = {}
+    for step in trace.steps:
+        chosen, joints = step.chosen, model.robot.joints
+        if chosen.name in (UNKNOWN, 'base_tilt', LATE) or chosen.common:
+            continue
+        found[chosen.name, tuple(joints[j] for j in chosen.joints)] = tuple(
+            joints[h.joint] for h, _ in chosen.parts if not _sure(model, better, h))
+    return found
+
+
+def _sure(model, better, hypothesis):
+    """Tell whether the better model surely holds something, or something new, of a Hypothesis."""
+    (shape, where), old = _place(better, hypothesis), _place(model, hypothesis)
+    same = old is not None and old[0] == shape
+    change = better.mean[where] - (model.mean[old[1]] if same else 0.0)
+    std = np.sqrt(np.diag(better.covariance)[where])
+    unit = np.where(std > 0.0, std, 1.0)
+    values, axes = np.linalg.eigh(better.covariance[where, where] / np.outer(unit, unit))
+    told = values > ROUNDING
+    square = np.sum((change / unit @ axes[:, told]) ** 2 / values[told])
+    return bool(square > chi2.ppf(CERTAIN, told.sum()))
+
+
+def _place(model, hypothesis):
+    """Return the shape and the place in x of a Hypothesis in a TorqueModel, or None."""
+    if hypothesis.name == 'link_inertia':
+        return {}, slice(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
+    return next(((use.told_shape, where) for use, where in model.slices()
+                 if (use.name, use.joint) == (hypothesis.name, hypothesis.joint)), None)
+
+
+def without_unsure(findings, unsure):
+    """
+    Return (Findings, sentences) without joints where there may be nothing (unsure_in).
+
+    Where that is all of them the Finding is suspected.
+    """
+    kept, told = [], []
+    for finding in findings:
+        none = unsure.get((finding.name, finding.joints), ())
+        if not none or finding.verdict != CONFIRMED:
+            kept.append(finding)
+        elif len(none) == len(finding.joints):
+            told.append(f'{", ".join(none)}: {finding.name} is only suspected: estimated together '
+                        'with everything else all its figures are within chance of nothing')
+            kept.append(replace(finding, verdict=SUSPECTED))
+        else:
+            told.append(f'{", ".join(none)}: no {finding.name} is told there: estimated together '
+                        'with everything else its figures are within chance of nothing')
+            kept.append(_elsewhere(finding, none))
+    return tuple(kept), tuple(told)
+
+
+def _elsewhere(finding, none):
+    """Return a Finding of its other joints only."""
+    return replace(finding, joints=tuple(j for j in finding.joints if j not in none),
+                   parameters={name: value for name, value in finding.parameters.items()
+                               if not any(name.endswith(f' ({joint})') for joint in none)})
+
+
 def _faint(model, better, trace, chosen):
-    if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm:
+    # A delay moves all that its joint does, not only what the old model knew of.
+    if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm or chosen.name == LATE:
         return False
     old, new = ({(use.name, use.joint): (use.told_shape, m.mean[where])
                  for use, where in m.slices()} for m in (model, better))

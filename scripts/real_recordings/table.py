@@ -27,7 +27,7 @@ def _cell(text):
 
 def _named(effect, joint):
     """Return an effect and what at this joint is nearly as likely."""
-    names = dict.fromkeys(other['effect'] for other in effect['alternatives']
+    names = dict.fromkeys(other['effect'] for other in effect['alternatives_detail']
                           if joint in other['joints'])
     others = ''.join(f' or `{name}`' for name in names)
     return f'`{effect["name"]}`{others} ({effect["verdict"]})'
