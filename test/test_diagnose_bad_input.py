@@ -96,6 +96,18 @@ def test_without_warming_nothing_is_said_of_temperature(folder, name, celsius, w
     assert [(e['name'], e['joints']) for e in report['effects']] == [('viscous_friction', ['j1'])]
 
 
+def test_a_warm_arm_without_temperatures_has_no_other_friction(folder, capsys):
+    """Its model says what warmth does, so that friction of another temperature is no finding."""
+    for seed in (1, 2):
+        write(folder / f'warm{seed}', run(seed, temperature=42.0), celsius=None)
+    status, report = diagnosed(folder, 'warm1', 'warm2')
+    assert status == 0 and report['effects'] == []
+    assert max(report['before']['torque_rmse']) > 2.0 * max(model().noise)
+    said = capsys.readouterr().out
+    assert 'cannot tell effects of temperature because none was recorded' in said
+    assert 'the torque model fits' not in said
+
+
 def test_saturated_effort_is_left_out(folder):
     """A drive at its limit is said so, and makes no effect of the arm."""
     for seed in (1, 2):

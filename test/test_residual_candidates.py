@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.residual.blocks import Score
-from hand_load_estimator.residual.candidate import (Candidate, joined, significant,
+from hand_load_estimator.residual.candidate import (Candidate, joined, significant, single,
                                                     standard_error, Step)
 from hand_load_estimator.residual.choice import chosen_step
 from hand_load_estimator.residual.hypothesis import Hypothesis
@@ -106,3 +106,17 @@ def test_a_joint_that_was_taken_along_and_shows_nothing_beside_the_others_is_lef
     assert kept.chosen.joints == [0, 2] and kept.chosen.gain == pytest.approx(190.0)
     gains[1] = 40.0
     assert Trace._where_it_shows(trace, step, joined('torque_scale', parts(gains))) is step
+
+
+@pytest.mark.parametrize('rival, joints', [(200.0, [0, 1]), (900.0, [0])])
+def test_one_cause_of_many_joints_is_none_where_another_is_surely_better(rival, joints):
+    """However much all of them gain together."""
+    def pair(name, joint, gain):
+        return (Hypothesis(name, joint, {joint: np.ones((4, 1))}, np.ones(1)),
+                Score(gain, 1.0, np.full(10, gain / 10.0), np.ones(1), np.eye(1), {joint: gain}))
+    trace = SimpleNamespace(_strong=lambda *_: True, _taken=set())
+    scales = [pair('torque_scale', j, gain) for j, gain in ((0, 500.0), (1, 400.0))]
+    (found,) = Trace._of_the_arm(trace, scales, [single(*pair('coulomb_friction', 1, rival))])
+    assert found.joints == joints
+    (alone,) = Trace._of_the_arm(trace, scales[1:], [single(*pair('cable_drag', 0, 900.0))])
+    assert alone.joints == [1]

@@ -16,14 +16,14 @@ from hand_load_estimator.torque_columns import EffectUse
 JOINT, DELAY = 2, 0.045
 
 
-def late_with(function, times):
-    """Return an effect: joint JOINT has another effect, and all its torque comes late."""
+def late_with(function, times, delay=DELAY):
+    """Return an effect: joint JOINT has another effect, and all its torque comes late [s]."""
     other = on(JOINT, times, function)
 
     def effect(run):
         now, time = run.torque[:, JOINT], run.motion.stamp
         out = np.zeros_like(run.torque)
-        out[:, JOINT] = np.interp(time - DELAY, time, now + other(run)[:, JOINT]) - now
+        out[:, JOINT] = np.interp(time - delay, time, now + other(run)[:, JOINT]) - now
         return out
     return effect
 
@@ -50,6 +50,19 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
         assert 0.003 < found[name]['periods'][1] < 0.03
     write_model(tmp_path / 'model.yaml', better)
     assert read_model(tmp_path / 'model.yaml').uses == better.uses
+
+
+@pytest.mark.parametrize('times, delay', [(30.0, 0.02), (6.0, 0.03)])
+def test_a_delay_counts_with_all_that_is_lost_without_it(times, delay):
+    """Beside a large ripple as it is undelayed, a short delay gains nothing."""
+    diagnosis, better = diagnosed(late_with(ripple, times, delay))
+    joint = better.robot.joints[JOINT]
+    assert told(diagnosis) == {'time_delay': (joint,), 'torque_ripple': (joint,)}
+    found = {f.name: f for f in diagnosis.findings}
+    assert found['time_delay'].parameters['delay'][0] == pytest.approx(delay, rel=0.05)
+    # What is left without the delay: the other effect fitted as it would be at once.
+    assert found['time_delay'].explained[JOINT] > 0.5
+    assert_repaired(diagnosis, JOINT)
 
 
 def test_a_delay_is_not_small_beside_what_it_delays():

@@ -9,8 +9,10 @@ import pytest
 from residual_helpers import cable, cut, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.limits import (refuse_the_useless, still_joints,
-                                                 too_little_gained, warmed_joints)
+from hand_load_estimator.residual.hypotheses import hypotheses
+from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.limits import (refuse_the_useless, slow_joint_states,
+                                                 still_joints, too_little_gained, warmed_joints)
 
 
 def moving(evidence, joint=None, **changes):
@@ -90,3 +92,26 @@ def test_a_joint_that_never_moves_is_named():
     assert list(still_joints(model, evidence)) == [2]
     assert 'j2' in still_joints(model, evidence)[2]
     assert not still_joints(model, [*evidence, recorded()[0]])
+
+
+def test_a_joint_without_temperatures_is_told_so_beside_one_that_warms():
+    model = declared_model()
+    runs = [moving(run, 2, temperature=np.nan) for run in recorded()]
+    warmed, told = warmed_joints(model, runs)
+    assert warmed == (0, 1, 3)
+    assert told == [f'cannot tell effects of temperature of {model.robot.joints[2]} because none '
+                    'was recorded']
+
+
+@pytest.mark.parametrize('dt, slow', [(0.02, False), (0.04, True)])
+def test_no_delay_is_sought_between_joint_states_that_come_too_rarely(dt, slow):
+    """A message a row."""
+    runs = [replace(run, motion=replace(
+        run.motion, dt=np.full(len(run.torque), dt), messages=np.ones(len(run.torque), int)))
+            for run in recorded()[:3]]
+    told = slow_joint_states(runs)
+    assert bool(told) == slow and (not told or 'run 0, run 1, run 2' in told[0])
+    model = declared_model()
+    residual = find_residual(model, runs)
+    names = {h.name for h in hypotheses(model, residual, residual.blocks(), ())}
+    assert ('time_delay' in names) != slow and 'torque_scale' in names

@@ -18,7 +18,8 @@ from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypothesis import Hypothesis, looks_like_another
 from hand_load_estimator.residual.trace import Trace
 from hand_load_estimator.residual.unfounded import (EXACT, faint_in, of_another_kind,
-                                                    small_beside_others)
+                                                    small_beside_others, unsure_in,
+                                                    without_unsure)
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
@@ -187,3 +188,28 @@ def test_what_is_only_suspected_makes_nothing_small():
     large = replace(gaining('time_delay', {1: 1e5}), verdict=SUSPECTED)
     small = gaining('stribeck_friction', {1: 100.0})
     assert small_beside_others((large, small)) == ((large, small), ())
+
+
+@pytest.mark.parametrize('share, sure', [(1.0, True), (0.1, False)])
+def test_figures_within_chance_of_nothing_are_unsure(traced, share, sure):
+    """A change of so many times its own standard deviation, divided by ten."""
+    model, trace, _ = traced
+    where = place(model)
+    mean, covariance = model.mean.copy(), model.covariance.copy()
+    covariance[where, where] = 1.0
+    mean[where] += 10.0 * share
+    key = 'viscous_friction', JOINTS[1:2]
+    unsure = unsure_in(model, replace(model, mean=mean, covariance=covariance), trace)
+    assert unsure == {key: () if sure else JOINTS[1:2]}
+    (found,), told = without_unsure((finding(*key[:1], {}),), unsure)
+    assert found.verdict == (CONFIRMED if sure else SUSPECTED) and bool(told) != sure
+
+
+def test_joints_where_an_effect_is_nothing_are_left_out_of_it():
+    own, other = JOINTS[1], JOINTS[2]
+    given = finding('torque_scale', {f'gain ({own})': (0.1, 0.01, '-'),
+                                     f'gain ({other})': (1e-4, 0.02, '-')}, (own, other))
+    (found,), (told,) = without_unsure((given,), {('torque_scale', (own, other)): (other,)})
+    assert found.joints == (own,) and found.verdict == CONFIRMED
+    assert list(found.parameters) == [f'gain ({own})']
+    assert told.startswith(f'{other}: no torque_scale is told there')
