@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+from .heard_joints import HeardJoints
+
 # A backward step at least this long is a restarted clock or a looped recording, not jitter.
 RESTART_AFTER = 0.5
 # More than this many times the robot's limit is a broken message, not a motion or a torque.
@@ -21,8 +23,8 @@ class InputGuard:
     Map messages to arrays in the robot's joint order and reject what cannot be used.
 
     robot: names, limits, torque constants. rejected: reason -> count. Joints are found by name in
-    any order, also behind a tf_prefix; messages about other joints only (a gripper's) are passed
-    over and not counted as bad.
+    any order, also behind a tf_prefix; messages about other joints only (a gripper's) are not bad:
+    they are counted apart, in passed_over.
     """
 
     def __init__(self, robot):
@@ -33,10 +35,15 @@ class InputGuard:
         self._least = np.array([limits.lower - 2.0 * np.pi, -self._speed_limit, -effort])
         self._most = np.array([limits.upper + 2.0 * np.pi, self._speed_limit, effort])
         self._last_position = None
-        self._index_of = {}
-        self.rejected = Counter()
+        self._index_of, self._heard = {}, HeardJoints(robot.joints)
+        self.rejected, self.passed_over = Counter(), 0
         self.last_stamp = None
         self.restarted = False
+
+    @property
+    def why_none(self):
+        """In words why no joint state was usable, as long as none was."""
+        return self._heard.why_none(self.rejected)
 
     def accept(self, stamp, names, position, velocity, effort):
         """
@@ -51,8 +58,10 @@ class InputGuard:
             if len(self._index_of) >= _MOST_ORDERS:
                 self._index_of.clear()
             self._index_of[key] = self.places(key)
+            self._heard.note(key, self._index_of[key])
         index = self._index_of[key]
         if index is None:
+            self.passed_over += 1
             return None
         if isinstance(index, str):
             return self._reject(index)

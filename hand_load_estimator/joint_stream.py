@@ -64,6 +64,16 @@ class JointStream:
         return self._guard.rejected
 
     @property
+    def passed_over(self):
+        """Number of joint states that name no joint of the robot."""
+        return self._guard.passed_over
+
+    @property
+    def why_none(self):
+        """In words why no joint state was usable, as long as none was."""
+        return self._guard.why_none
+
+    @property
     def last_stamp(self):
         """Stamp [s] of the newest accepted message, or None."""
         return self._guard.last_stamp

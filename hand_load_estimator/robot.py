@@ -58,11 +58,17 @@ def _build_model(file):
     return model
 
 
-def _limits(file, model):
+def _stops(model):
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
-    # A continuous joint comes without limits; one turn each way is enough for any motion here.
     free = ~np.isfinite(lower) | ~np.isfinite(upper) | (lower >= upper)
-    lower[free], upper[free] = -2.0 * np.pi, 2.0 * np.pi
+    lower[free], upper[free] = -np.inf, np.inf
+    return np.array([lower, upper])
+
+
+def _limits(file, stops):
+    # A continuous joint comes without limits; one turn each way is enough for any motion here.
+    turn = 2.0 * np.pi
+    lower, upper = np.where(np.isfinite(stops), stops, [[-turn], [turn]])
     return JointLimits(lower, upper, file.max_velocity, file.max_acceleration,
                        file.max_torque, file.allowed_torque)
 
@@ -71,6 +77,7 @@ class Robot:
     """
     An arm: names, limits, nominal inverse dynamics and the load regressor K.
 
+    stops (2, n) [rad]: least and greatest positions by the URDF, infinite where it states none.
     Not thread-safe: pinocchio's work space is reused between calls.
     """
 
@@ -81,7 +88,8 @@ class Robot:
         self.load_frame = file.load_frame
         self.reference_temperature = file.reference_temperature
         self.model = _build_model(file)
-        self.limits = _limits(file, self.model)
+        self.stops = _stops(self.model)
+        self.limits = _limits(file, self.stops)
         self._data = self.model.createData()
         frame = self.model.frames[self.model.getFrameId(file.load_frame)]
         if frame.parentJoint != self.n:

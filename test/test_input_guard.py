@@ -47,10 +47,39 @@ def test_joints_are_found_by_name(guard, names, picks):
     np.testing.assert_array_equal(tau, values[picks] * 10)
 
 
-def test_other_joints_messages_are_passed_over_uncounted(guard):
+def test_other_joints_messages_are_passed_over_and_counted_apart(guard):
     assert accept(guard, names=('finger', 'thumb', 'rail')) is None
-    assert not guard.rejected
+    assert not guard.rejected and guard.passed_over == 1
     assert accept(guard) is not None
+
+
+@pytest.mark.parametrize('messages, reason', [
+    ([], 'no joint states yet'),
+    ([('lwr_0', 'lwr_1', 'lwr_2')],
+     'joint states name lwr_0, lwr_1, lwr_2, but none of pan, lift, roll'),
+    ([('finger',), ('pan', 'lift', 'x')],
+     'joint states name finger, pan, lift, x, but never all of pan, lift, roll'),
+    ([()], 'joint states name no joint; wanted: pan, lift, roll'),
+    ([('l_pan', 'r_pan', 'l_lift', 'r_lift', 'l_roll', 'r_roll'), ('finger',)],
+     'joint states arrive, but none is usable; rejected: 1 ambiguous joint')])
+def test_why_no_joint_state_is_usable_is_told(guard, messages, reason):
+    """Of another arm's joint states it was said that none had come yet."""
+    for names in messages:
+        assert accept(guard, names=names) is None
+    assert guard.why_none == reason
+
+
+def test_joint_states_without_effort_are_told_as_such(guard):
+    accept(guard, names=('finger',))
+    accept(guard, effort=[])
+    assert guard.why_none == 'joint states arrive, but none is usable; rejected: 1 short arrays'
+
+
+def test_many_names_are_not_all_told(guard):
+    for k in range(1000):
+        accept(guard, names=(f'joint_{k}',))
+    assert 'joint_9 and others, but none of' in guard.why_none and len(guard.why_none) < 200
+    assert guard.passed_over == 1000
 
 
 NAN = float('nan')

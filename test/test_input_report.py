@@ -18,14 +18,19 @@ class Fed:
         self._joints, self._still, self._now = model.robot.joints, messages(
             model, block(1.0), 0.1)[0], 0.0
 
-    def second(self, temperatures=(), effort=None):
-        """Feed ten joint states and temperatures {name: degC}; return what is said of them."""
+    def feed(self, names=None, effort=None):
+        """Feed ten joint states; those of other names come beside the arm's, at its times."""
         m = self._still
         for _ in range(10):
-            self._now += 0.1
+            self._now += 0.1 if names is None else 0.0
             self._report.joint_state()
-            self._pipeline.joint_state(self._now, m.names, m.position, m.velocity,
+            self._pipeline.joint_state(self._now, m.names if names is None else names,
+                                       m.position, m.velocity,
                                        m.effort if effort is None else effort)
+
+    def second(self, temperatures=(), effort=None, names=None):
+        """Feed ten joint states and temperatures {name: degC}; return what is said of them."""
+        self.feed(names, effort)
         for name, celsius in dict(temperatures).items():
             self._report.temperature(name, self._joints)
             self._pipeline.temperature_reading(name, celsius)
@@ -102,6 +107,42 @@ def test_two_complaints_are_both_told():
     fed.second()
     level, message, _ = fed.second(effort=(float('nan'),) * 4)
     assert level == WARN and message.startswith('10 inputs rejected in the last second; no temp')
+
+
+OTHERS = ('lwr_0', 'lwr_1', 'lwr_2', 'lwr_3')
+SOME = ('j0', 'j1', 'j2', 'lwr_3')
+
+
+@pytest.mark.parametrize('names, reason', [
+    (OTHERS, 'joint states name lwr_0, lwr_1, lwr_2, lwr_3, but none of j0, j1, j2, j3'),
+    (SOME, 'joint states name j0, j1, j2, lwr_3, but never all of j0, j1, j2, j3')])
+def test_joint_states_of_another_arm_are_told_with_both_names(names, reason):
+    """500 of them a second were called joint states that arrive."""
+    fed = Fed(COLD)
+    for _ in range(2):
+        level, message, values = fed.second(names=names)
+    assert (level, message) == (WARN, reason)
+    assert values['joint_states of no joint of this robot'] == (20 if names is OTHERS else 0)
+
+
+def test_joint_states_of_others_beside_the_arms_are_counted_and_well():
+    fed = Fed(COLD)
+    for _ in range(2):
+        for names in (OTHERS, SOME):
+            fed.feed(names)
+        level, message, values = fed.second()
+    assert (level, message) == (OK, 'joint states arrive')
+    assert values['joint_states of no joint of this robot'] == 20
+    assert values['rejected missing_joint'] == 20
+
+
+def test_an_arm_that_falls_silent_beside_others_is_told():
+    fed = Fed(COLD)
+    assert fed.second()[0] == OK
+    for _ in range(2):
+        level, message, _ = fed.second(names=OTHERS)
+        assert level == WARN and message.startswith('no usable joint state in the last second')
+    assert fed.second()[0] == OK
 
 
 @pytest.mark.parametrize('seconds, level', [(0, ERROR), (1, STALE)])

@@ -241,6 +241,21 @@ def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
     assert estimator.process.process.poll() is None
 
 
+def test_another_arms_joint_states_are_told_with_both_names(estimator, feeder, listener):
+    """`no joint states yet` was said of 500 a second."""
+    def renamed(_, message):
+        message.name = [f'lwr_{k}_joint' for k in range(6)]
+        return message
+
+    told = 'joint states name lwr_0_joint, '
+    feeder.play(arm_samples((3.0,))[:250], renamed)
+    listener.until(lambda: estimator.values()['reason'].startswith(told), 5.0, 'the reason')
+    assert estimator.status() == 'NO_DATA'
+    assert f'but none of {", ".join(feeder.joints)}' in estimator.values()['reason']
+    listener.until(lambda: estimator.counted('joint_states of no joint of this robot') == 250,
+                   5.0, 'the count')
+
+
 def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     known = listener.listen(InertiaStamped, 'estimator/known_load', LATCHED)
@@ -259,7 +274,8 @@ def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     assert float(estimator.values()['tared mass [kg]']) == pytest.approx(before, abs=0.1)
     listener.until(lambda: estimator.values()['determined'].startswith('1'), 5.0, 'a found mass')
     answer = listener.call(Trigger, 'estimator/reset', Trigger.Request())
-    assert answer.success and answer.message
+    assert answer.success and answer.message.startswith('the load is forgotten; the tare of ')
+    assert '~/reload_model drops it' in answer.message
     listener.until(lambda: estimator.values()['determined'].startswith('0'), 5.0,
                    'an estimate that knows nothing')
 

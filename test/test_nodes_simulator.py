@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Duration, Time
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
@@ -127,7 +127,7 @@ def test_executes_good_trajectories_and_counts_bad_ones(heard, listener):
     nan.points[0].positions[2] = float('nan')
     for bad in (JointTrajectory(joint_names=JOINTS), trajectory(goal[:3], 1),
                 trajectory(goal, 1, names=[*JOINTS[:5], 'nose']), nan,
-                trajectory(goal, 1, stamp=Time(sec=100))):
+                trajectory(goal, 1, stamp=Time(sec=100)), trajectory([9.0, *goal[1:]], 1)):
         publisher.publish(bad)
     order = [3, 5, 0, 1, 2, 4]
     publisher.publish(trajectory([goal[k] for k in order], 1, [JOINTS[k] for k in order]))
@@ -135,8 +135,15 @@ def test_executes_good_trajectories_and_counts_bad_ones(heard, listener):
                    10.0, 'the goal')
     listener.until(lambda: said(topics, 'trajectories')[1].get('taken') == '1', 5.0, 'one taken')
     values = said(topics, 'trajectories')[1]
-    assert values['refused'] == '5', values
+    assert values['refused'] == '6', values
     assert any('past' in key for key in values), values
+    assert any('shoulder_pan_joint is sent to 9; allowed: -6.28' in key for key in values), values
+    levels = [(status.level, status.message) for message in topics['diagnostics']
+              for status in message.status if status.name == 'simulator: trajectories']
+    # Refused in one second or in two.
+    warned = [message for level, message in levels if level == DiagnosticStatus.WARN]
+    assert warned and all('refused in the last second' in message for message in warned)
+    listener.until(lambda: 'refused' not in said(topics, 'trajectories')[0], 5.0, 'the end of it')
 
 
 def test_goes_on_where_time_went_on_after_a_restart(heard, start, listener):

@@ -57,6 +57,17 @@ def test_bad_messages_between_good_ones_change_nothing_and_are_counted(model, st
     assert pipeline.samples == len(stream)
 
 
+def test_where_no_joint_state_is_usable_the_reason_names_what_is_heard_and_wanted(model, stream):
+    pipeline = pipeline_of(model)
+    assert pipeline.estimate(0.0).reason == 'no joint states yet'
+    feed(pipeline, [replace(m, names=('a', 'b', 'c', 'd')) for m in stream[:10]])
+    estimate = pipeline.estimate(0.0)
+    assert estimate.status == 'NO_DATA' and pipeline.passed_over == 10 and not pipeline.rejected
+    assert estimate.reason == 'joint states name a, b, c, d, but none of j0, j1, j2, j3'
+    assert feed(pipeline, stream[:100])
+    assert pipeline.estimate(stream[99].stamp).status != 'NO_DATA'
+
+
 def test_joints_in_another_order_with_prefix_and_companions_are_the_same(model, stream, clean):
     def other(m):
         order = [2, 0, 3, 1]

@@ -2,18 +2,20 @@
 
 from hand_load_estimator.plant import Plant, TrajectoryError
 from hand_load_estimator.plant.setpoint import Setpoint
+from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.trajectory import Trajectory
 import numpy as np
-from plant_helpers import ur10e
+from plant_helpers import chain, ur10e
 import pytest
 
 JOINTS = ('a', 'b')
 START = np.array([0.1, -0.2])
+STOPS = np.array([[-2.97, -np.inf], [2.97, np.inf]])
 GOAL = np.array([0.5, 0.4])
 
 
 def setpoint():
-    return Setpoint(JOINTS, START)
+    return Setpoint(JOINTS, START, STOPS)
 
 
 @pytest.mark.parametrize('order', [1, 3, 5])
@@ -70,6 +72,9 @@ REFUSED = {
     'backward time': ((JOINTS, [1.0, 0.5], [GOAL, GOAL]), 'increasing'),
     'negative time': ((JOINTS, [-1.0], [GOAL]), 'times'),
     'ends moving': ((JOINTS, [1.0], [GOAL], [[0.1, 0.0]]), 'standstill'),
+    'beyond a stop': ((JOINTS, [1.0, 2.0], [GOAL, [9.0, 0.4]]),
+                      'a is sent to 9; allowed: -2.97 to 2.97'),
+    'beyond the other': ((JOINTS[::-1], [1.0], [[0.0, -3.0]]), 'a is sent to -3'),
     'wrong velocities': ((JOINTS, [1.0], [GOAL], [[0.0]]), 'velocities'),
 }
 
@@ -91,6 +96,24 @@ def test_the_plant_refuses_with_a_value_error():
     with pytest.raises(ValueError, match='empty'):
         plant.set_trajectory(ur10e().joints, [], [])
     assert not plant.moving
+
+
+def test_the_plant_obeys_up_to_the_limits_of_the_urdf():
+    plant, limits = Plant(ur10e()), ur10e().limits
+    for goal in (limits.upper, limits.lower):
+        plant.set_trajectory(ur10e().joints, [5.0], [goal])
+        with pytest.raises(TrajectoryError, match='shoulder_pan_joint.*the limits of the URDF'):
+            plant.set_trajectory(ur10e().joints, [5.0], [goal * [1.01, 1.0, 1.0, 1.0, 1.0, 1.0]])
+
+
+def test_a_continuous_joint_may_turn_on():
+    content = {**chain('z', 'y').file.content}
+    content['urdf'] = content['urdf'].replace('type="revolute"', 'type="continuous"', 1).replace(
+        'lower="-2.5" upper="2.5"', '', 1)
+    plant = Plant(robot_from_content(content, 'test'))
+    plant.set_trajectory(('j0', 'j1'), [5.0], [[9.0, 0.0]])
+    with pytest.raises(TrajectoryError, match='j1 is sent to 9'):
+        plant.set_trajectory(('j0', 'j1'), [5.0], [[0.0, 9.0]])
 
 
 def test_a_single_point_at_time_zero_is_reached():

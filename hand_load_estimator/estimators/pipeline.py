@@ -55,6 +55,16 @@ class Pipeline:
         return dict(self._stream.rejected)
 
     @property
+    def passed_over(self):
+        """Number of joint states that name no joint of the robot."""
+        return self._stream.passed_over
+
+    @property
+    def why_none(self):
+        """In words why no joint state was usable, as long as none was."""
+        return self._stream.why_none
+
+    @property
     def samples(self):
         """Number of joint states used."""
         return self._stream.accepted
@@ -170,8 +180,7 @@ class Pipeline:
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
         last, belief = self._stream.last_stamp, self.method.belief()
         if last is None:
-            return self._say(now, belief, 'NO_DATA', 'no joint states yet',
-                             self._determined(belief))
+            return self._say(now, belief, 'NO_DATA', self.why_none, self._determined(belief))
         if now - last > self._stale_after:
             return self._say(last, belief, 'STALE_INPUT',
                              f'no usable joint state for {now - last:.2f} s',
@@ -185,7 +194,7 @@ class Pipeline:
         Raises SuggestionError where the arm does not stand.
         """
         if self._sample is None:
-            raise SuggestionError('where the arm stands is not known: no joint states yet')
+            raise SuggestionError('where the arm stands is not known: no usable joint states yet')
         if (np.abs(self._sample.v) > STANDING).any():
             raise SuggestionError('the arm moves; ask again when it stands')
         if self._suggester is None:

@@ -20,6 +20,7 @@ from ..input_guard import InputGuard
 from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from ..load import products_from_message
 from ..simulated_model import told_of_simulated
+from .command_line import run_from_command_line
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
 from .controller_parameters import CONTROLLER_PARAMETERS
@@ -34,7 +35,6 @@ from .load_pairing import LoadPairing
 from .model_choice import robot_and_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement
-from .runner import run_node
 from .stamps import ClockOffset, StampBase
 from .temperature_input import subscribe_dynamic_joint_states
 
@@ -243,7 +243,9 @@ class ControllerNode(Node):
         if self._pairing.unpaired:
             rejected['covariance_without_load'] = self._pairing.unpaired
         return self._input.report(SimpleNamespace(
-            rejected=rejected, temperature=self._supervisor.temperature, model=self._model))
+            rejected=rejected, temperature=self._supervisor.temperature, model=self._model,
+            passed_over=self._guard.passed_over, last_stamp=self._guard.last_stamp,
+            why_none=self._guard.why_none))
 
     def stop(self):
         """End a motion under way with a braking trajectory."""
@@ -268,7 +270,7 @@ def _stamped_vector(message):
 
 def main(args=None):
     """Run the node; return the exit code."""
-    return run_node(ControllerNode, args)
+    return run_from_command_line('controller', ControllerNode, CONTROLLER_PARAMETERS, args)
 
 
 if __name__ == '__main__':

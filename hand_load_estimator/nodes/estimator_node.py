@@ -21,6 +21,7 @@ from ..load import message_from_products
 from ..simulated_model import told_of_simulated
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
+from .command_line import run_from_command_line
 from .controller_messages import trajectory_message
 from .diagnostics import WARN, Diagnostics
 from .draining import subscribe_draining
@@ -33,7 +34,6 @@ from .model_choice import robot_and_model
 from .model_report import report_model, told_of_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement, publisher
-from .runner import run_node
 from .stamps import StampBase
 from .temperature_input import subscribe_dynamic_joint_states
 from .throttle import Throttle
@@ -201,8 +201,14 @@ class EstimatorNode(Node):
     def _on_reset(self, _request, response):
         self._pipeline.reset()
         self._after_request()
-        response.success, response.message = True, 'the load is forgotten'
+        response.success, response.message = True, f'the load is forgotten{self._told_of_tare()}'
         return response
+
+    def _told_of_tare(self):
+        if not self._pipeline.method.tared.any():
+            return ''
+        return (f'; the tare of {self._pipeline.tared_mass:.3f} kg stays: ~/reload_model drops '
+                'it, or a new start without a checkpoint')
 
     def _on_tare(self, _request, response):
         try:
@@ -267,7 +273,7 @@ class EstimatorNode(Node):
 
 def main(args=None):
     """Run the node; return the exit code."""
-    return run_node(EstimatorNode, args)
+    return run_from_command_line('estimator', EstimatorNode, ESTIMATOR_PARAMETERS, args)
 
 
 if __name__ == '__main__':

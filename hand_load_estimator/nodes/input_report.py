@@ -10,6 +10,8 @@ from .diagnostics import ERROR, OK, STALE, WARN
 
 _KINDS = ('joint_states', 'temperatures')
 _MISSING = (ERROR, 'no joint states have arrived')
+_UNUSABLE = ('no usable joint state in the last second: those that arrive do not name all joints '
+             'of this robot')
 # Names of others that are told one by one; a driver that invents names must not fill the memory.
 _MOST_NAMES = 10
 
@@ -25,7 +27,7 @@ class InputReport:
 
     def __init__(self):
         self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
-        self._others = Counter()
+        self._others, self._newest_before = Counter(), None
 
     def joint_state(self):
         """Count a joint state."""
@@ -45,6 +47,7 @@ class InputReport:
         for kind in _KINDS:
             values[f'received {kind}'] = self._taken[kind]
             values[f'{kind} in the last second'] = self._taken[kind] - self._taken_before[kind]
+        values['joint_states of no joint of this robot'] = pipeline.passed_over
         values['temperatures known'] = f'{known.sum()} of {len(known)}'
         values |= {f'temperatures of {name!r}, no joint of this robot': count
                    for name, count in self._others.items()}
@@ -53,13 +56,24 @@ class InputReport:
             return (*_MISSING, values)
         if self._taken['joint_states'] == before['joint_states']:
             return STALE, 'no joint states in the last second', values
-        newly = sum(rejected.values()) - self._rejected_before
-        self._rejected_before += newly
-        told = [f'{newly} inputs rejected in the last second'] if newly else []
+        told = self._refused(pipeline)
         # Within the first second temperatures may just not have come yet.
         if before['joint_states']:
             told += self._missing_temperatures(pipeline.model, known)
         return (WARN, '; '.join(told), values) if told else (OK, 'joint states arrive', values)
+
+    def _refused(self, pipeline):
+        """Return sentences on the joint states that were not used."""
+        rejected, newest = pipeline.rejected, pipeline.last_stamp
+        # Messages with some of the joints are normal, as long as whole ones come too.
+        newly = (sum(rejected.values()) - rejected.get('missing_joint', 0)
+                 - self._rejected_before)
+        self._rejected_before += newly
+        stopped, self._newest_before = newest == self._newest_before, newest
+        told = [f'{newly} inputs rejected in the last second'] if newly else []
+        if newest is None:
+            return [pipeline.why_none, *told]
+        return told or ([_UNUSABLE] if stopped else [])
 
     def _missing_temperatures(self, model, known):
         """Return sentences, none where the model asks for no temperature or all are known."""

@@ -56,6 +56,13 @@ class Parameter:
         return words[type(self.default)]
 
     @property
+    def default_text(self):
+        """Default as YAML and documentation write it."""
+        if isinstance(self.default, bool):
+            return str(self.default).lower()
+        return str(list(self.default) if isinstance(self.default, tuple) else self.default)
+
+    @property
     def allowed(self):
         """Allowed values in words; empty when every value of the type is."""
         if self.choices:
@@ -193,9 +200,7 @@ def markdown_table(table):
     """Return the README table of a parameter table, as text."""
     lines = ['| parameter | default | unit | allowed | description |', '|---|---|---|---|---|']
     for row in table:
-        default = list(row.default) if isinstance(row.default, tuple) else row.default
-        default = str(default).lower() if isinstance(default, bool) else default
-        default = 'must be given' if row.todo else f'`{default}`'
+        default = 'must be given' if row.todo else f'`{row.default_text}`'
         change = '' if row.read_only else ' (can be changed while running)'
         lines.append(f'| `{row.name}` | {default} | {row.unit} | {row.allowed or row.kind} '
                      f'| {row.description}{change} |')

@@ -20,12 +20,12 @@ from ..load import LoadParameters
 from ..plant import Plant, read_effects
 from ..robot import load_robot
 from ..shared_files import find_shared
+from .command_line import run_from_command_line
 from .diagnostics import OK, WARN, Diagnostics
 from .estimate_messages import inertia_message
 from .pace import Pace
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, publisher
-from .runner import run_node
 from .simulator_parameters import SIMULATOR_PARAMETERS
 from .stamps import time_message
 
@@ -66,7 +66,8 @@ class SimulatorNode(Node):
         self._epoch = time.time_ns() - int(self._plant.time * 1e9)
         self._period = 1.0 / values.rate
         self._pace = Pace(values.real_time_factor)
-        self._samples, self._refused, self._taken = 0, Counter(), 0
+        self._samples, self._taken = 0, 0
+        self._refused, self._refused_before = Counter(), 0
         self._next_temperature = self._next_clock = 0.0
         self._create_interface()
         self._publish_true_load()
@@ -185,8 +186,12 @@ class SimulatorNode(Node):
         return OK, 'the clock keeps its pace', values
 
     def _report_trajectories(self):
-        values = {'taken': self._taken, 'refused': sum(self._refused.values())}
+        refused = sum(self._refused.values())
+        newly, self._refused_before = refused - self._refused_before, refused
+        values = {'taken': self._taken, 'refused': refused}
         values.update({f'refused: {reason}': n for reason, n in self._refused.most_common(10)})
+        if newly:
+            return WARN, f'{newly} trajectories refused in the last second', values
         return OK, 'joint_trajectory_controller/joint_trajectory', values
 
 
@@ -205,7 +210,7 @@ def _rows(points, kind, n):
 
 def main(args=None):
     """Run the node; return the exit code."""
-    return run_node(SimulatorNode, args)
+    return run_from_command_line('simulator', SimulatorNode, SIMULATOR_PARAMETERS, args)
 
 
 if __name__ == '__main__':

@@ -58,7 +58,7 @@ class Plant:
         self._sensors = Sensors(robot, self.truth, difficulty, noise)
         self._arm.position[:] = _start(robot) if start_position is None else start_position
         self.attach(load)
-        self._setpoint = Setpoint(robot.joints, self._arm.position)
+        self._setpoint = Setpoint(robot.joints, self._arm.position, robot.stops)
         self._settle(robot, difficulty, start)
 
     def _settle(self, robot, difficulty, rng):
@@ -127,7 +127,8 @@ class Plant:
         Replace the trajectory under way; times [s] count from now.
 
         names: the arm's joints in any order; positions, velocities, accelerations (k, n).
-        Raises TrajectoryError (a ValueError) for what ros2_control's controller refuses.
+        Raises TrajectoryError (a ValueError) for what ros2_control's controller refuses, and for
+        positions that the URDF's limits exclude.
         """
         self._setpoint.take(self.time, names, times, positions, velocities, accelerations)
 

@@ -11,6 +11,8 @@ import numpy as np
 from ..errors import HandLoadError
 
 _STANDSTILL = 1e-4  # [rad/s] the controller accepts at the end of a trajectory
+# A braking trajectory begins at a measured position, which at a limit may seem to be beyond it.
+_BEYOND = 0.01  # [rad]
 
 
 class TrajectoryError(HandLoadError, ValueError):
@@ -76,10 +78,14 @@ def _coefficients(h, start, end, order):
 
 
 class Setpoint:
-    """The set point of n joints: position, velocity, acceleration = state (3, n)."""
+    """
+    The set point of n joints: position, velocity, acceleration = state (3, n).
 
-    def __init__(self, joints, position):
-        self._joints = tuple(joints)
+    position (n,): at the start; stops (2, n): least and greatest positions that are obeyed.
+    """
+
+    def __init__(self, joints, position, stops):
+        self._joints, self._stops = tuple(joints), stops
         self.state = np.zeros((3, len(self._joints)))
         self.state[0] = position
         self._begins, self._ends, self._pieces, self._piece = [], [], [], 0
@@ -93,6 +99,7 @@ class Setpoint:
         order = _columns(names, self._joints)
         shape = (len(times), len(order))
         rows = [_table(positions, shape, 'positions')[:, order]]
+        self._refuse_beyond_stops(rows[0])
         for value, what in ((velocities, 'velocities'), (accelerations, 'accelerations')):
             if value is not None:
                 rows.append(_table(value, shape, what)[:, order])
@@ -104,6 +111,15 @@ class Setpoint:
                 raise TrajectoryError(f'trajectory: the last point moves at {fastest:g} rad/s; '
                                       'allowed: standstill')
         self._replace(now, times, rows, degree)
+
+    def _refuse_beyond_stops(self, positions):
+        low, high = self._stops
+        beyond = np.maximum(low - positions, positions - high)
+        point, joint = np.unravel_index(np.argmax(beyond), beyond.shape)
+        if beyond[point, joint] > _BEYOND:
+            raise TrajectoryError(
+                f'trajectory: {self._joints[joint]} is sent to {positions[point, joint]:g}; '
+                f'allowed: {low[joint]:g} to {high[joint]:g}, the limits of the URDF')
 
     def _replace(self, now, times, rows, degree):
         knots = [tuple(row[k] for row in rows) for k in range(len(times))]
