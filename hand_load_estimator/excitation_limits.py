@@ -7,6 +7,9 @@ from .errors import ConfigurationError
 
 # Places tried for the default centre, and configurations looked at around each.
 _CENTRES, _AROUND = 400, 24
+# [rad] from a limit to the centre at least; the chosen one is rounded.
+_ROOM, _ROUNDING = 0.02, 0.01
+_MOST_HELD = 0.9
 
 
 def torque_use(robot, q, v, a, torque):
@@ -69,16 +72,46 @@ def choose_centre(robot, reach, random):
 
 
 def check_centre(robot, centre):
-    """Raise ConfigurationError for a centre outside the limits or too heavy to hold."""
-    limits = robot.limits
-    for j, name in enumerate(robot.joints):
-        if not limits.lower[j] + 0.02 < centre[j] < limits.upper[j] - 0.02:
-            raise ConfigurationError('--centre', f'leaves {name} no room to move',
-                                     float(centre[j]), f'between {limits.lower[j]:.3f} and '
-                                     f'{limits.upper[j]:.3f} rad')
-    zero = np.zeros(robot.n)
-    use = torque_use(robot, [centre], [zero], [zero], limits.allowed_torque * limits.torque)
-    if use > 0.9:
+    """Raise ConfigurationError for a given centre outside the limits or too heavy to hold."""
+    limits, j = robot.limits, _cramped(robot, centre)
+    if j is not None:
+        raise ConfigurationError('--centre', f'leaves {robot.joints[j]} no room to move',
+                                 float(centre[j]), f'between {limits.lower[j]:.3f} and '
+                                 f'{limits.upper[j]:.3f} rad')
+    use = _holding(robot, centre).max()
+    if use > _MOST_HELD:
         raise ConfigurationError('--centre', f'takes {use:.0%} of the allowed torque to hold',
-                                 np.asarray(centre).tolist(), 'at most 90 %',
+                                 np.asarray(centre).tolist(), f'at most {_MOST_HELD:.0%}',
                                  'choose another centre or compare max_torque')
+
+
+def check_chosen_centre(robot, centre):
+    """Raise ConfigurationError for the joint of the robot file that no centre suits."""
+    limits, j = robot.limits, _cramped(robot, centre)
+    if j is not None:
+        raise ConfigurationError(
+            f'{robot.file.where}: joints', f'{robot.joints[j]} has no room to move',
+            f'{limits.lower[j]:.3f} to {limits.upper[j]:.3f}',
+            f'a range of more than {2.0 * _ROOM + _ROUNDING:g} rad', 'a gripper\'s finger is no '
+            'joint of the arm: draft the robot file again with `hand_load new-robot --tip`')
+    use = _holding(robot, centre)
+    if use.max() > _MOST_HELD:
+        joint = robot.joints[int(np.argmax(use))]
+        raise ConfigurationError(
+            f'{robot.file.where}: max_torque', f'{joint} needs {use.max():.0%} of its allowed '
+            'torque to hold the pose with most room', np.asarray(centre).tolist(),
+            f'at most {_MOST_HELD:.0%}', 'compare max_torque, or give another pose as --centre')
+
+
+def _cramped(robot, centre):
+    """Return the first joint that has no room around a centre (n,), or None."""
+    limits = robot.limits
+    cramped = ~((limits.lower + _ROOM < centre) & (centre < limits.upper - _ROOM))
+    return int(np.argmax(cramped)) if cramped.any() else None
+
+
+def _holding(robot, centre):
+    """Return the share (n,) of the allowed torque that holds the arm at a centre (n,)."""
+    zero, limits = np.zeros(robot.n), robot.limits
+    return np.abs(robot.rigid_torque(np.asarray(centre, dtype=float), zero, zero)) / (
+        limits.allowed_torque * limits.torque)

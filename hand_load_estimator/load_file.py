@@ -52,6 +52,15 @@ def read_load_file(path):
     return load, known + (ASSUMED,) * assumed
 
 
+def placed(load, known, where):
+    """Return a load whose centre of mass is known; refuse one that has only a mass."""
+    if load.mass > 0.0 and 'com' not in known:
+        raise ConfigurationError(where, 'gives a mass without its com, and its torque depends on '
+                                 'where it is', allowed='com: [x, y, z] [m] in the load frame '
+                                 'beside the mass', todo='add it, or do without the load')
+    return load
+
+
 def write_load_file(path, load):
     """Write what read_load_file reads."""
     vector = load.to_message()

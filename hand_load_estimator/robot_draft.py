@@ -31,7 +31,11 @@ class ChainJoint:
 
 @dataclass(frozen=True)
 class Chain:
-    """The arm found in a URDF; frames are those fixed to the last joint, tip is one of them."""
+    """
+    The arm found in a URDF; frames are those fixed to the last joint, tip is one of them.
+
+    beyond: names of the movable joints behind the arm's last one, a gripper's.
+    """
 
     name: str
     base: str
@@ -39,6 +43,7 @@ class Chain:
     joints: tuple
     frames: tuple
     massless: tuple
+    beyond: tuple
 
 
 def _number(element, attribute):
@@ -93,17 +98,32 @@ def _movable(path):
 
 
 def _choose_tip(links, paths):
-    """Return the usual tip where there is one, else the end of the chain with most joints."""
+    """Return the usual tip where there is one, else the end of the arm with most joints."""
     usual = [link for link in _USUAL_TIPS if link in links and _movable(paths[link])]
     if usual:
         return usual[0]
-    return max(links, key=lambda link: (len(_movable(paths[link])), len(paths[link])))
+    arm = [link for link in links if not _ends_sliding(paths[link])]
+    return max(arm, key=lambda link: (len(_movable(paths[link])), len(paths[link])))
+
+
+def _ends_sliding(path):
+    """Tell whether the last joint slides after others that turn, as a gripper's finger does."""
+    kinds = [element.get('type') for element in _movable(path)]
+    return 'prismatic' in kinds[-1:] and kinds != ['prismatic'] * len(kinds)
 
 
 def _fixed_to_last_joint(links, paths, tip):
     last = _movable(paths[tip])[-1]
     return tuple(link for link in links
                  if _movable(paths[link]) and _movable(paths[link])[-1] is last)
+
+
+def _beyond(paths, tip):
+    """Return the names of the movable joints behind the last one on the way to the tip."""
+    arm = _movable(paths[tip])
+    behind = {element.get('name'): None for path in paths.values()
+              if _movable(path)[:len(arm)] == arm for element in _movable(path)[len(arm):]}
+    return tuple(behind)
 
 
 def _massless(root, moved):
@@ -136,7 +156,8 @@ def read_chain(path, tip=None):
     moved = [joint.find('child').get('link') for joint in joints]
     base = next(link for link in links if link not in parent_joint)
     return Chain(root.get('name') or Path(path).stem, base, tip, tuple(map(_chain_joint, joints)),
-                 _fixed_to_last_joint(links, paths, tip), _massless(root, moved))
+                 _fixed_to_last_joint(links, paths, tip), _massless(root, moved),
+                 _beyond(paths, tip))
 
 
 def _text(value):

@@ -7,7 +7,7 @@ import time
 
 from .errors import ConfigurationError
 from .load import LoadParameters
-from .load_file import load_of_argument, write_load_file
+from .load_file import load_of_argument, placed, write_load_file
 from .plant import JointEvent, read_effects, simulate_motion
 from .recording import JointSample, RecordingWriter, TemperatureSample
 from .robot import load_robot
@@ -91,7 +91,7 @@ def samples_of(event, joints):
 def run(args):
     """Simulate and write the recording."""
     robot = load_robot(find_shared(args.robot, 'robots'))
-    load, _ = load_of_argument(args.load)
+    load = placed(*load_of_argument(args.load), args.load)
     effects = read_effects(args.effects, robot) if args.effects else ()
     motion = _motion(args, robot)
     temperature = (robot.file.reference_temperature if args.temperature is None

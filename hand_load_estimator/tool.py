@@ -7,7 +7,7 @@ import numpy as np
 
 from .configuration import read_yaml, Section
 from .load import products_jacobian_of_message
-from .load_file import parse_load
+from .load_file import parse_load, placed
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def read_tool(path):
     """
     section = Section(read_yaml(Path(path)), path)
     std = _std(section.section('std')) if section.has('std') else np.zeros(10)
-    load, _ = parse_load(section)
+    load = placed(*parse_load(section), path)
     root = products_jacobian_of_message(load.to_message()) * std
     return Tool(load.to_products(), root[:, std > 0.0])
 

@@ -1,10 +1,12 @@
 """`hand_load check` names each thing that can be wrong with a recording, and only that."""
 
+from dataclasses import replace
 import json
 import os
 from pathlib import Path
 
 from hand_load_estimator.cli import main
+from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.recording import (JointSample, Recording, RecordingWriter,
                                            TemperatureSample)
@@ -101,6 +103,35 @@ def test_newton_metres_taken_for_amperes(robot, motion):
     assert found['saturation'] == 'doubt'
 
 
+def test_thousandths_of_newton_metres_are_named(robot, motion):
+    """The estimator rejects all of them; a few broken messages are no unit."""
+    effort = torque(robot, motion)
+    still = (motion[0], np.tile(CENTRE, (len(motion[0]), 1)), *(0.0 * x for x in motion[2:]))
+    for made in (recording(robot, motion, 1000.0 * effort),
+                 recording(robot, still, 1000.0 * torque(robot, still))):
+        unit, = [f for f in check_recording(made, robot).findings if f.item == 'effort unit']
+        assert unit.verdict == 'wrong' and 'looks like mNm' in unit.todo
+    effort[::200] *= 1000.0
+    made = recording(robot, motion, effort)
+    unit, = [f for f in check_recording(made, robot).findings if f.item == 'effort unit']
+    assert 'rejected' not in unit.text
+
+
+@pytest.mark.parametrize('velocity', [lambda v: v[:0], lambda v: np.nan * v,
+                                      lambda v: np.r_[np.nan, v[1:]], lambda v: v[:3]])
+def test_what_is_said_of_missing_velocities_is_what_the_estimator_does(robot, motion, velocity):
+    made = recording(robot, motion, torque(robot, motion))
+    made = replace(made, samples=[
+        replace(s, velocity=velocity(s.velocity)) if isinstance(s, JointSample) else s
+        for s in made.samples])
+    _, rejected = motion_of(robot, made)
+    values, = [f for f in check_recording(made, robot).findings if f.item == 'values']
+    assert (values.verdict == 'ok') == (not rejected)
+    assert ('rejected' in values.todo) == bool(rejected)
+    if not rejected:
+        only(verdicts(robot, made))
+
+
 def test_one_reversed_joint(robot, motion):
     effort = torque(robot, motion)
     effort[:, 2] *= -1.0
@@ -165,6 +196,13 @@ def test_load_is_seen_missed_or_not_stated(robot, motion):
     assert float(text.split('looks like ')[1].split()[0]) == pytest.approx(8.0, abs=0.5)
 
 
+def test_less_than_no_load_is_the_links(robot, motion):
+    held = LoadParameters(3.0, LOAD.com)
+    lighter = 2.0 * torque(robot, motion) - torque(robot, motion, load=held)
+    found = verdicts(robot, recording(robot, motion, lighter))
+    assert found['link masses'] == 'doubt' and 'load' not in found
+
+
 def test_link_torque_needs_no_friction(robot, motion):
     effort = {'kind': 'link_torque', 'includes_configured_load': False}
     made = recording(robot, motion, torque(robot, motion, friction=0.0))
@@ -223,7 +261,7 @@ def test_other_joints_only(robot, motion):
     assert 'effort unit' not in found
 
 
-@pytest.mark.parametrize('broken', ['nan', 'no effort', 'no velocity', 'still', 'short', 'empty'])
+@pytest.mark.parametrize('broken', ['nan', 'no effort', 'still', 'short', 'empty'])
 def test_odd_data_never_raises(robot, motion, broken):
     t, q, v, a = (x[:1200].copy() for x in motion)
     effort = torque(robot, (t, q, v, a))
@@ -231,8 +269,6 @@ def test_odd_data_never_raises(robot, motion, broken):
         q[100:200, 2], effort[500:520] = np.nan, np.nan
     elif broken == 'no effort':
         effort[:] = np.nan
-    elif broken == 'no velocity':
-        v[:] = np.nan
     elif broken == 'still':
         q[:], v[:] = q[0], 0.0
     else:
@@ -257,6 +293,19 @@ def test_command_prints_table_and_json(robot, motion, tmp_path, capsys):
     assert main(['check', str(tmp_path / 'bag'), '--robot', 'ur10e', '--joint-states', 'x']) == 2
 
 
+def test_a_wrong_row_ends_with_one(robot, motion, tmp_path, capsys):
+    made = recording(robot, motion, torque(robot, motion) / 11.0)
+    with RecordingWriter(tmp_path / 'bag') as writer:
+        for sample in made.samples:
+            writer.write(sample)
+    for more in ((), ('--json',)):
+        assert main(['check', str(tmp_path / 'bag'), '--robot', 'ur10e', *more]) == 1
+        assert 'wrong' in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(['check', '--help'])
+    assert 'exit status is 1' in ' '.join(capsys.readouterr().out.split())
+
+
 real = pytest.mark.skipif(not (DATA / 'ur10e').is_dir(), reason=f'no recordings at {DATA}')
 
 
@@ -268,7 +317,7 @@ def test_real_arm_in_amperes(run, capsys):
     assert main(['check', path, '--robot', 'ur10e_current', '--json']) == 0
     found = {f['item']: f['verdict'] for f in json.loads(capsys.readouterr().out)['findings']}
     only(found, temperatures='doubt')
-    assert main(['check', path, '--robot', 'ur10e', '--json']) == 0
+    assert main(['check', path, '--robot', 'ur10e', '--json']) == 1
     found = {f['item']: f['verdict'] for f in json.loads(capsys.readouterr().out)['findings']}
     only(found, temperatures='doubt', effort_unit='wrong')
 

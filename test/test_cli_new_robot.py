@@ -80,6 +80,24 @@ def test_tip_is_chosen_or_refused(tmp_path, capsys):
         assert why in capsys.readouterr().err
 
 
+def test_without_a_usual_tip_the_arm_ends_before_its_fingers(tmp_path, capsys):
+    """As a Panda with its hand, whose links have no usual name."""
+    path = urdf(tmp_path)
+    path.write_text(path.read_text().replace('flange', 'hand'))
+    robot = load_robot(completed(draft(tmp_path, path)))
+    assert robot.joints == ('j1', 'j2', 'on') and robot.load_frame == 'hand'
+    said = capsys.readouterr().out
+    assert 'left out as a gripper behind hand: grip' in said and '--tip' in said
+
+
+def test_an_arm_of_slides_alone_is_taken_whole(tmp_path):
+    path = urdf(tmp_path)
+    path.write_text(re.sub('revolute|continuous', 'prismatic', path.read_text())
+                    .replace('flange', 'hand'))
+    chain = read_chain(path)
+    assert [j.name for j in chain.joints] == ['j1', 'j2', 'on', 'grip'] and not chain.beyond
+
+
 def test_names_yaml_would_misread_are_quoted(tmp_path):
     path = urdf(tmp_path)
     robot = load_robot(completed(draft(tmp_path, path)))

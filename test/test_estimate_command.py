@@ -41,6 +41,9 @@ def folder(tmp_path_factory):
     write_bag(out / 'still', recording_of(messages(model, LOAD, 2.0, rest=9.0), joints))
     write_bag(out / 'gripper', recording_of([Message(
         m.stamp, ('finger',), np.ones(1), np.ones(1), np.ones(1)) for m in stream[:50]], ()))
+    write_bag(out / 'deaf', recording_of([Message(
+        m.stamp, m.names, m.position, m.velocity, np.nan * m.effort) for m in stream[:50]],
+        joints))
     return out
 
 
@@ -162,16 +165,44 @@ def test_an_arm_at_rest_is_readable_and_tells_little(folder, capsys):
     assert 'WAITING_FOR_MOTION' in capsys.readouterr().out
 
 
-def test_other_joints_only_is_readable_and_no_data(folder):
+def test_other_joints_only_is_readable_and_says_whose(folder, capsys):
     status, content = command(folder, 'gripper')
+    assert status == 0 and content['status'] == 'NO_DATA'
+    assert content['reason'].startswith('joint states name finger, but none of ')
+    assert content['reason'] in capsys.readouterr().out
+
+
+def test_no_data_says_why_and_no_mass(folder, capsys):
+    status, content = command(folder, 'deaf')
     assert status == 0 and content['status'] == 'NO_DATA' and content['samples'] == 0
     assert np.isfinite(np.array(content['covariance'])).all()
     assert content['history']['t'] == []
+    said = capsys.readouterr().out
+    assert content['reason'] in said and 'mass' not in said
+
+
+def test_the_reason_is_told_unless_the_load_is_determined(folder, capsys):
+    _, still = command(folder, 'still')
+    assert f'\n{still["reason"]}\n' in capsys.readouterr().out
+    _, run = command(folder, 'run')
+    said = capsys.readouterr().out
+    assert run['reason'] not in said and 'less than nothing' not in said
+
+
+def test_a_mass_below_zero_is_told_as_a_contradiction(folder, capsys):
+    """A model from an arm that held 2 kg, and nobody said so: the bare arm weighs less."""
+    model = exact_model('four')
+    bare = messages(model, block(0.0), 5.0)
+    lighter = [Message(m.stamp, m.names, m.position, m.velocity, 2.0 * m.effort - loaded.effort)
+               for m, loaded in zip(bare, messages(model, LOAD, 5.0))]
+    write_bag(folder / 'lighter', recording_of(lighter, model.robot.joints))
+    status, content = command(folder, 'lighter')
+    assert status == 0 and content['mass']['mean'] < -1.0
+    assert 'no load weighs less than nothing' in capsys.readouterr().out
 
 
 def test_file_is_strict_json(folder):
-    command(folder, 'gripper')
-    for run in ('run', 'gripper'):
+    for run in ('run', 'deaf'):
         command(folder, run)
         text = (folder / f'{run}.json').read_text()
         assert 'NaN' not in text and 'Infinity' not in text

@@ -1,5 +1,7 @@
 """Identification motions stay inside every limit, and their expected covariance is honest."""
 
+import re
+
 from hand_load_estimator import excitation
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
@@ -155,6 +157,24 @@ def test_unusable_centre_is_refused(robot):
     heavy = Robot(parse_robot({**robot.file.content, 'max_torque': [20.0] * 6}, 'weak'))
     with pytest.raises(ConfigurationError, match='to hold'):
         check_centre(heavy, np.zeros(6))
+
+
+def test_without_a_given_centre_the_joint_is_told(robot, tmp_path, capsys):
+    """A gripper's finger with 30 mm of travel, and drives too weak for the pose."""
+    (tmp_path / 'finger.urdf').write_text(re.sub(
+        r'(<joint name="wrist_3_joint".*?)lower="[^"]*" upper="[^"]*"',
+        r'\1lower="0" upper="0.03"', robot.file.urdf, flags=re.S))
+    (tmp_path / 'arm.urdf').write_text(robot.file.urdf)
+    content = yaml.safe_load(find_shared('ur10e', 'robots').read_text())
+    for changes, words in (({'urdf': 'finger.urdf'}, 'wrist_3_joint has no room to move'),
+                           ({'urdf': 'arm.urdf', 'max_torque': [20.0] * 6},
+                            'of its allowed torque to hold')):
+        path = tmp_path / 'arm.yaml'
+        path.write_text(yaml.safe_dump({**content, **changes}))
+        assert main(['excite', '--robot', str(path), '--out', str(tmp_path / 'm')]) == 2
+        said = capsys.readouterr().err
+        assert f'{path}: ' in said and words in said and '--centre:' not in said
+        assert said.count('\n') == 1
 
 
 def test_command_writes_both_forms_of_one_motion(robot, tmp_path, capsys):

@@ -41,6 +41,13 @@ def test_no_load_is_written_as_none(tmp_path):
     assert read_recording(path).load.mass == 0.0
 
 
+def test_a_load_of_unknown_place_is_refused(tmp_path, capsys):
+    (tmp_path / 'load.yaml').write_text('mass: 1.0\n')
+    status, path = simulate(tmp_path, '--load', str(tmp_path / 'load.yaml'))
+    assert status == 2 and not path.exists()
+    assert 'gives a mass without its com' in capsys.readouterr().err
+
+
 def test_a_motion_file_is_followed_in_its_own_time(tmp_path):
     robot = ur10e()
     motion = named_motion('pick_place', robot, 3.0, seed=2)

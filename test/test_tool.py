@@ -78,9 +78,15 @@ def test_a_checkpoint_belongs_to_its_tool(pipelines):
 
 @pytest.mark.parametrize('text, said', [
     ('mass: -1\n', 'mass'), ('mass: 1\nstd: {weight: 1}\n', 'weight'),
+    ('mass: 1\n', 'gives a mass without its com'),
     ('mass: 1\nstd: {com: [1, 2]}\n', 'com'), ('mass: 1\nstd: {mass: -1}\n', 'mass'),
     ('', 'mapping')])
 def test_a_wrong_tool_file_is_refused(tmp_path, text, said):
     (tmp_path / 't.yaml').write_text(text)
     with pytest.raises(ConfigurationError, match=said):
         read_tool(tmp_path / 't.yaml')
+
+
+def test_a_tool_without_mass_needs_no_place(tmp_path):
+    (tmp_path / 't.yaml').write_text('mass: 0\n')
+    assert read_tool(tmp_path / 't.yaml').mass == 0.0

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .effort_beyond import check_beyond
 from .effort_fit import CERTAIN, fit_delay, fit_joint
 from .effort_terms import joint_columns, rigid_terms
 from .finding import DOUBT, Finding, OK, UNKNOWN, WRONG
@@ -25,14 +26,17 @@ def check_effort(signals, robot, load):
     terms = rigid_terms(robot, signals, load)
     columns = joint_columns(signals, terms)
     moving = [j for j, c in enumerate(columns) if c is not None]
-    saturation = _saturation(signals, robot)
+    saturation, beyond = _saturation(signals, robot), check_beyond(signals, terms, robot)
     if not moving:
-        return [_standing(signals, terms, robot), saturation], {}
+        return [beyond or _standing(signals, terms, robot), saturation], {}
     gravity = np.array(robot.file.gravity)
     fits = {j: fit_joint(columns[j], gravity) for j in moving}
     direction = _oriented(fit_gravity([columns[j] for j in moving], gravity,
                                       np.mean([f.spread for f in fits.values()])), fits, robot)
-    findings = [_unit(fits, robot, load), _sign(fits, robot), _compensation(fits),
+    unit = _unit(fits, robot, load)
+    if beyond and unit.verdict != WRONG:
+        unit = beyond
+    findings = [unit, _sign(fits, robot), _compensation(fits),
                 _gravity(direction, robot), _delay(signals, terms, gravity, _told(fits), robot),
                 saturation]
     told = _told(fits)
@@ -231,12 +235,16 @@ def _load(signals, robot, moving, load):
     rated = robot.rated_load.mass
     if not fit.std < 0.1 * rated:
         return Finding('load', UNKNOWN, 'the motion does not show a load', _RECORD)
-    stated = 'no load.yaml' if load is None else f'load.yaml says {load.mass:g} kg'
+    stated = 'none is stated' if load is None else f'stated: {load.mass:g} kg'
     text = (f'the effort looks like {fit.mass:.2f} +- {fit.std:.2f} kg in the hand, wrong link '
             f'masses included; {stated}')
     expected = load.mass if load is not None else 0.0
     if abs(fit.mass - expected) <= max(0.1 * rated, 0.2 * expected, 3.0 * fit.std):
         return Finding('load', OK, text)
+    if fit.mass < 0.0 == expected:
+        # Less than no load is none that somebody forgot to state.
+        return Finding('link masses', DOUBT, text, 'no load weighs less than nothing: compare the '
+                       'link masses of the URDF and torque constants')
     if expected > 0.3 * rated > abs(fit.mass) and robot.effort.configured_load is None:
         return Finding('load', WRONG, text, 'the driver takes the load off: state '
                        'effort.includes_configured_load, or set the load on the robot to zero')

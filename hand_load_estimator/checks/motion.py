@@ -12,19 +12,21 @@ _COMPARED_BELOW = 5.0
 
 def check_values(recording, position, velocity, effort):
     """Return the finding about missing, short and non-finite values."""
-    counts = {what: int(np.sum(~np.isfinite(values).all(axis=1)))
-              for what, values in (('position', position), ('velocity', velocity),
-                                   ('effort', effort))}
+    absent = np.isnan(velocity).all(axis=1)
+    counts = {what: int(np.sum(~np.isfinite(values).all(axis=1) & used))
+              for what, values, used in (('position', position, True),
+                                         ('velocity', velocity, ~absent),
+                                         ('effort', effort, True))}
     short = sum(len(s.position) != len(s.names) or len(s.effort) != len(s.names)
-                for s in recording.joint_samples)
+                or len(s.velocity) not in (0, len(s.names)) for s in recording.joint_samples)
     text = ', '.join(f'{n} without a usable {what}' for what, n in counts.items() if n)
     if not text and not short:
-        return Finding('values', OK, 'all finite')
+        return Finding('values', OK, f'{"position and effort" if absent.any() else "all"} finite')
     share = max(counts.values()) / len(position)
     return Finding('values', WRONG if share > 0.5 else DOUBT,
                    f'of {len(position)} messages: {text or "none"}; {short} with short arrays',
-                   'such messages are rejected and counted; velocity may be missing, position '
-                   'and effort may not')
+                   'such messages are rejected and counted; the velocity of all joints may be '
+                   'missing, position and effort may not')
 
 
 def check_updates(position, velocity, effort):
@@ -94,8 +96,9 @@ def check_velocity(signals, robot):
     if not np.isfinite(signals.velocity).any():
         return Finding('velocity', OK, 'not in the messages; it is derived from the position')
     if not np.isfinite(signals.velocity).all():
-        return Finding('velocity', DOUBT, 'missing in some messages',
-                       'there it is derived from the position')
+        return Finding('velocity', DOUBT, 'missing in some messages', 'where it is missing for '
+                       'all joints it is derived from the position, other such messages are '
+                       'rejected')
     if not len(moves):
         return Finding('velocity', UNKNOWN, 'no joint moves')
     pairs = np.array([_slope_and_lag(signals, j) for j in moves])

@@ -3,6 +3,7 @@
 import json
 import textwrap
 
+from ..checks.finding import WRONG
 from ..recording import read_recording
 from ..recording_check import check_recording
 from ..robot import load_robot
@@ -14,10 +15,13 @@ hand_load check my_recording --robot my_arm.yaml
 hand_load check my_recording --robot ur10e --joint-states /left/joint_states --json
 """
 _WIDTH = 99
+_FOUND_WRONG = 1
 
 
 def add_arguments(parser):
-    """Add the arguments of check."""
+    """Add the arguments of check, and what its exit status says."""
+    parser.description += (' The exit status is 1 where a row says wrong, and 2 where the '
+                           'recording cannot be read.')
     parser.add_argument('bag', metavar='BAG', help='folder of a rosbag2 recording')
     parser.add_argument('--robot', metavar='R.yaml', required=True,
                         help='robot file, or the short name of a shipped one')
@@ -42,16 +46,20 @@ def _joint_table(joints):
 
 
 def run(args):
-    """Print the findings; 0 whenever the recording can be read."""
+    """Print the findings; 1 where one is wrong, else 0."""
     robot = load_robot(find_shared(args.robot, 'robots'))
     check = check_recording(read_recording(args.bag, args.joint_states, args.temperatures), robot)
     if args.json:
         print(json.dumps(check.to_dict(), indent=2))
-        return 0
+    else:
+        _print(check, robot)
+    return _FOUND_WRONG if any(f.verdict == WRONG for f in check.findings) else 0
+
+
+def _print(check, robot):
     print(f'{check.recording} for {check.robot} ({robot.effort.kind})')
     for finding in check.findings:
         print(_line(finding))
     if check.joints:
         print('\neffort against rigid body and friction (gain: 1 when the robot file is right)')
         print('\n'.join(_joint_table(check.joints)))
-    return 0

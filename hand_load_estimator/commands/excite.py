@@ -9,7 +9,8 @@ import numpy as np
 from ..errors import ConfigurationError
 from ..excitation import make_box, Search
 from ..excitation_information import INDEPENDENT_RATE
-from ..excitation_limits import check_centre, choose_centre, torque_use
+from ..excitation_limits import (check_centre, check_chosen_centre, choose_centre,
+                                 torque_use)
 from ..output_file import output_file
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -121,6 +122,17 @@ def _report(robot, search, motion, trajectory, noise):
           'and watch.')
 
 
+def _centre(robot, args):
+    """Return the centre (n,) that is given, or else a chosen one; refuse an unusable one."""
+    if args.centre:
+        centre = _numbers(args.centre, '--centre', robot)
+        check_centre(robot, centre)
+    else:
+        centre = choose_centre(robot, args.reach, np.random.default_rng(args.seed))
+        check_chosen_centre(robot, centre)
+    return centre
+
+
 def run(args):
     """Search, write the motion in both forms, say what to expect of it."""
     robot = load_robot(find_shared(args.robot, 'robots'))
@@ -132,9 +144,7 @@ def run(args):
              else _DEFAULT_NOISE * robot.limits.torque)
     if np.any(noise <= 0.0):
         raise ConfigurationError('--noise', 'is not usable', args.noise, 'above 0 [Nm]')
-    centre = (_numbers(args.centre, '--centre', robot) if args.centre
-              else choose_centre(robot, args.reach, np.random.default_rng(args.seed)))
-    check_centre(robot, centre)
+    centre = _centre(robot, args)
     search = Search(robot, make_box(robot, centre, args.reach, args.speed), args.duration, noise,
                     args.seed)
     motion = search.run(_Progress())

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 
+from ..load_file import placed
 from .recording_arguments import add_recording_arguments, topics
 
 # Share of the motion from which on it is said that it repeats what was shown before.
@@ -30,6 +31,7 @@ def add_arguments(parser):
 def read_evidence(robot, args):
     """Return a list of Evidence: recordings of the arguments, with --load or their load.yaml."""
     from ..clipped_effort import clipped_efforts
+    from ..declared_load import another_load
     from ..evidence import prepare
     from ..joint_stream import motion_of
     from ..load_file import load_of_argument
@@ -45,6 +47,9 @@ def read_evidence(robot, args):
                                 rejected))
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
              f'{sum(rejected.values())}')
+        another = another_load(robot, recording, load)
+        if another:
+            _say(f'WARNING: {Path(path).name}: {another}')
     refuse_repeats(evidence)
     for said in clipped_efforts(robot, evidence):
         _say(said)
@@ -95,15 +100,6 @@ def stated_load(recording):
         raise RecordingError(f'{recording.path}: does not say its load; add a load.yaml (none, or '
                              'mass, com, inertia) or give --load')
     return recording.load
-
-
-def placed(load, known, where):
-    """Return a load whose centre of mass is known; refuse one that has only a mass."""
-    from ..errors import RecordingError
-    if load.mass > 0.0 and 'com' not in known:
-        raise RecordingError(f'{where}: gives a mass without its com; identify '
-                             'needs the centre of mass too, or recordings without load')
-    return load
 
 
 def _say(text):

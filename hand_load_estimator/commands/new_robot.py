@@ -16,7 +16,8 @@ def add_arguments(parser):
     parser.add_argument('--out', metavar='R.yaml', required=True, help='robot file to write')
     parser.add_argument('--tip', metavar='FRAME',
                         help='link at the end of the chain, becomes load_frame '
-                             '(default: tool0 or flange where there is one, else the farthest)')
+                             '(default: tool0 or flange where there is one, else the '
+                             'farthest that is no finger\'s)')
 
 
 def run(args):
@@ -29,6 +30,9 @@ def run(args):
     print(f'{out}: {len(chain.joints)} joints from {chain.base} to {chain.tip}: '
           f'{", ".join(joint.name for joint in chain.joints)}')
     print(f'frames fixed to the last joint: {", ".join(chain.frames)}')
+    if chain.beyond and args.tip is None:
+        print(f'left out as a gripper behind {chain.tip}: {", ".join(chain.beyond)}; if they are '
+              'of the arm, give the link behind them with --tip')
     if chain.massless:
         print(f'links without mass in the URDF: {", ".join(chain.massless)}; the torque model '
               'then has to learn them from recordings alone')
