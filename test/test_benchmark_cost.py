@@ -10,10 +10,11 @@ from ros_helpers import ROOT
 
 from hand_load_estimator.benchmark import cases, cost
 from hand_load_estimator.benchmark.contestants import chosen_methods, cost_of, functions_of
+from hand_load_estimator.benchmark.cost_page import cost_blocks
 from hand_load_estimator.benchmark.document import to_markdown
-from hand_load_estimator.benchmark.other_pages import cost_blocks
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning.difference_artefact import PREDICTORS
+from hand_load_estimator.motion import MotionSample
 from hand_load_estimator.plant import JointEvent
 from hand_load_estimator.simulate_motions import named_motion
 
@@ -26,16 +27,29 @@ def test_the_first_sample_is_no_running_cost():
 def test_cost_is_told_over_one_regressor_call():
     found = {'name': 'bayes', 'cost': {'mean': 3e-4, 'p50': 2e-4, 'p99': 9e-4},
              'regressor': {'mean': 1e-5, 'p50': 1e-5, 'p99': 2e-5},
+             'regressor_alone': {'mean': 5e-6, 'p50': 5e-6, 'p99': 6e-6},
              'joint_state': {'mean': 5e-5, 'p50': 4e-5, 'p99': 8e-5}, 'start_mib': 1.0,
              'growth_mib': 0.25}
     slower = {**found, 'name': 'gru', 'regressor': {'mean': 3e-5, 'p50': 2e-5, 'p99': 4e-5}}
     content = cost.cost_scores({'cost_lstm': found, 'cost_gru': slower})
     page = to_markdown(cost_blocks(content))
-    # 500 joint states of 50 us and 50 samples of 300 us are 40 ms of every second.
-    assert '| lstm | 300.0 | 200.0 | 900.0 | 10.0 | 30 | 90 | 50.0 | 4.0 | +1.0 | +0.2 |' in page
-    assert '| gru | 300.0 | 200.0 | 900.0 | 30.0 | 10 | 30 |' in page, 'its own process counts'
+    assert '| lstm | 300.0 | 200.0 | 900.0 | 5.0 | 10.0 | 60 | 180 | 30 | 90 |' in page
+    assert '| gru | 300.0 | 200.0 | 900.0 | 5.0 | 30.0 | 60 | 180 | 10 | 30 |' in page, (
+        'its own process counts')
+    # A tenth of 300 us beside 50 us at 500 Hz are 40 ms of every second; a twentieth at 1 kHz.
+    assert '| lstm | 50.0 | 80.0 | 16 | 4.0 | 65.0 | 13 | 6.5 | +1.0 | +0.2 |' in page
     assert 'joint torque regressor call (whole arm)' in page
     assert '`lstm` has no artefact here and ran as `bayes`' in page
+
+
+def test_the_undisturbed_call_is_timed_at_every_sample_but_the_warm_up(monkeypatch):
+    robot, zero = four_axes(), np.zeros(4)
+    samples = [MotionSample(0.02 * k, 0.02, zero, zero, zero, zero, zero, False)
+               for k in range(60)]
+    timed = []
+    monkeypatch.setattr(cost, 'cost_of', timed.append)
+    cost.regressor_alone(robot, samples)
+    assert len(timed[0]) == 10 and min(timed[0]) > 0.0
 
 
 def test_every_joint_state_is_timed_and_samples_are_as_before():
@@ -57,6 +71,7 @@ def test_a_method_with_an_artefact_of_its_own_has_its_cost(monkeypatch, method):
     found = cost.measure_cost('ur10e', method, None)
     assert found['name'] == method
     assert found['cost']['mean'] > found['regressor']['mean'] > 0.0
+    assert found['cost']['mean'] > found['regressor_alone']['mean'] > 0.0
     assert found['joint_state']['mean'] > 0.0
 
 

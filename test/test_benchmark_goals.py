@@ -43,7 +43,7 @@ def judged(contents):
 
 def test_nothing_measured_is_nothing_reached():
     rows = goal_rows([])
-    assert len(rows) == 21
+    assert len(rows) == 22
     assert {row.reached for row in rows} == {None}
     assert {row.measured for row in rows} == {NOT_MEASURED}
 
@@ -256,17 +256,36 @@ def test_changes_and_soak_are_judged():
     assert found[0].startswith('8 of 8 missed') and found[1] is False
 
 
-def test_cost_is_judged_beside_what_joint_states_cost():
+def test_cost_is_judged_by_the_undisturbed_call():
     cost = {'cost': {'lstm': {'mean': 2e-4, 'p99': 9e-4}, 'gru': {'mean': 1e-3, 'p99': 1e-2}},
-            'regressor': {'lstm': {'mean': 1e-5}, 'gru': {'mean': 9e-5}},
+            'regressor_alone': {'lstm': {'mean': 1e-5}, 'gru': {'mean': 9e-5}},
+            'regressor': {'lstm': {'mean': 2e-5}, 'gru': {'mean': 9e-5}},
             'joint_state': {'lstm': {'mean': 5e-5}, 'gru': {'mean': 9e-5}}}
-    goal = f'per sample of 20 ms over {REGRESSOR}'
-    # One joint state in ten makes a sample.
+    goal = f'per sample of 20 ms over {REGRESSOR}, undisturbed'
+    # One joint state in ten makes a sample at 500 Hz, one in twenty at 1 kHz.
     assert judged({'cost': cost})[goal] == (
-        'mean 20, p99 90; guard and filter of a joint state 5.0, and with its share of a sample '
-        'at 500 Hz 7', True)
+        'mean 20, p99 90 (200 and 900 us over 10.0 us); mean 10 over the call between the '
+        "method's samples (20.0 us); a joint state with its share of a sample 70 us (7) at 500 "
+        'Hz, 60 us (6) at 1000 Hz', True)
     cost['cost']['lstm']['mean'] = 4e-4
-    assert judged({'cost': cost})[goal][1] is False
+    assert judged({'cost': cost})[goal][1] is False, 'though it is 20 over the disturbed one'
+    del cost['regressor_alone']
+    assert judged({'cost': cost})[goal] == (NOT_MEASURED, None)
+
+
+def test_measured_arms_are_judged_against_every_rival():
+    goal = 'measured arms: better than every rival at the end of a run (median % of rated)'
+    errors = {'bayes': 0.2, TEXTBOOK: 0.3, TEXTBOOK_CAREFUL: 0.25, NOMINAL: 4.0, OUR_MODEL: 0.1,
+              'mujoco.sysid': 0.27, 'figaroh': 0.16}
+    real = {'methods': {name: {'median_percent': error} for name, error in errors.items()}}
+    told, reached = judged({'real': real})[goal]
+    assert reached is False
+    assert told.startswith('bayes 0.20; ') and told.endswith('; figaroh 0.16')
+    assert OUR_MODEL not in told, 'it looks through our torque model'
+    real['methods']['lstm'] = {'median_percent': 0.15}
+    assert judged({'real': real})[goal][1] is True
+    del real['methods']['figaroh']
+    assert judged({'real': real})[goal] == (NOT_MEASURED, None)
 
 
 def test_a_page_is_told_twice(tmp_path):

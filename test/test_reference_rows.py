@@ -33,6 +33,20 @@ def test_a_test_names_the_row(row):
     assert row in NAMED
 
 
+def test_the_page_of_rows_names_every_row_and_tests_that_exist():
+    page = (HERE.parent / 'doc' / 'reference_rows.md').read_text('utf-8')
+    lines = [line.split('|') for line in page.splitlines() if line.startswith('| E')]
+    assert tuple(re.findall(r'E\d+\.\d', ' '.join(line[1] for line in lines))) == ROWS
+    for line in lines:
+        named = re.findall(r'`(test_\w+)(\.py)?`', line[3])
+        assert named and named[0][1], 'a file stands ahead of its tests'
+        for name, is_file in named:
+            if is_file:
+                source = (HERE / f'{name}.py').read_text('utf-8')
+            else:
+                assert f'def {name}(' in source, name
+
+
 def test_the_reader_sees_names_and_docstrings_of_tests_only():
     assert rows_of('def test_E1_3_x():\n    """As E10.1 says."""') == {'E1.3', 'E10.1'}
     assert rows_of('def test_e5_1_e5_2_x():\n    pass') == {'E5.1', 'E5.2'}

@@ -2,15 +2,10 @@
 
 import numpy as np
 
-from ..motion import BLOCK
-from .contestants import REGRESSOR
 from .document import Heading, Picture, Table, Text
-from .measure import MOMENTS, RATE
-from .real import MOMENTS as REAL_MOMENTS
-from .real_sets import SETS
+from .measure import MOMENTS
 from .soak import FLAT_MIB, FLAT_TIME
 
-SAMPLES = 1.0 / BLOCK   # [1/s]
 _RETRAINING_MOMENTS = MOMENTS[1:]
 
 
@@ -68,66 +63,6 @@ def _draw_delays(figure, methods):
     axes.set(xlabel='delay after motion [s]', ylabel='share of changes seen', ylim=(0.0, 1.02),
              xlim=(0.0, end))
     figure.legend(loc='outside lower center', ncols=3, fontsize='small')
-
-
-def _assumed(content):
-    """Return which loads of the real suite nobody has stated, and what they are taken for."""
-    names = dict.fromkeys(run['set'] for run in content['runs'])
-    return '; '.join(f'{name} {SETS[name].assumed}' for name in names
-                     if name in SETS and SETS[name].assumed) or 'none'
-
-
-def real_blocks(content):
-    """Return the blocks of the real suite."""
-    names = list(content['methods'])
-    figures = [[name, str(f['runs']), f'{f["median_percent"]:.2f}', f'{f["worst_percent"]:.2f}',
-                f'{100.0 * f["inside"]:.0f}'] for name, f in content['methods'].items()]
-    rows = [[f'{run["set"]}: {run["run"]}', f'{run["truth"]:g}', *(
-        _error(run, name) for name in names)] for run in content['runs']]
-    return [
-        Heading('Measured recordings', 1),
-        Text('Every set has its own model, identified from its training runs with the load those '
-             'state (none for most); the error is the estimate at the end of a test run less that '
-             'mass. It should be zero. Without load, ours are judged before what they publish is '
-             'kept above zero. The load of run load_2600 is known by the file name only. '
-             f'Loads assumed: {_assumed(content)}.' + left_out_told(content)),
-        Table(['method', 'runs', 'median error [% of rated]', 'largest [% of rated]',
-               'inside the 95 % interval [%]'], figures),
-        Table([f'mass error {REAL_MOMENTS[-1]} [kg] (std)', 'true [kg]', *names], rows)]
-
-
-def _error(run, name):
-    found = run['methods'].get(name, [None])[-1]
-    return '-' if found is None else f'{found[0] - run["truth"]:+.3f} ({found[1]:.3f})'
-
-
-def cost_blocks(content):
-    """Return the blocks of the cost suite."""
-    rows = [_cost_row(name, c, content) for name, c in content['cost'].items()]
-    other = [f'`{name}` has no artefact here and ran as `{found}`.'
-             for name, found in content['is'].items() if name != found]
-    return [
-        Heading('Cost of one sample', 1),
-        Text('Processor time of each method, alone in its process, its torque model included; '
-             f'a sample comes every 20 ms however fast joint states do. The node pays {RATE:g} '
-             f'joint states (guard and filter) and {SAMPLES:g} samples a second: the share of one '
-             f'core is of both, without ROS. The unit, {REGRESSOR}, gives the columns of all '
-             'links; the load\'s are the last ten. It is called between the samples of the same '
-             'process: what a method leaves in the caches makes the call slower too.'
-             + ''.join(f' {sentence}' for sentence in other) + left_out_told(content)),
-        Table(['per 20 ms sample', 'mean [us]', 'p50 [us]', 'p99 [us]', 'regressor call [us]',
-               'mean / regressor call', 'p99 / the same', 'joint state [us]',
-               'share of a core [%]', 'memory to build [MiB]', 'growth in 13 s [MiB]'], rows)]
-
-
-def _cost_row(name, cost, content):
-    """Return the row of a method in the cost table."""
-    unit, before = (content[what][name]['mean'] for what in ('regressor', 'joint_state'))
-    memory = content['memory'][name]
-    return [name, *(f'{1e6 * cost[key]:.1f}' for key in ('mean', 'p50', 'p99')),
-            f'{1e6 * unit:.1f}', *(f'{cost[key] / unit:.0f}' for key in ('mean', 'p99')),
-            f'{1e6 * before:.1f}', f'{100.0 * (RATE * before + SAMPLES * cost["mean"]):.1f}',
-            *(f'{memory[key]:+.1f}' for key in ('start_mib', 'growth_mib'))]
 
 
 def soak_blocks(content):

@@ -17,6 +17,7 @@ from .cases import motion_start
 from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, OUR_MODEL,
                           TEXTBOOK, TEXTBOOK_CAREFUL)
 from .offline import offline_beliefs
+from .real_course import CourseOf, JUDGED_FROM
 from .real_robots import ARMS, write_robot_file
 from .real_sets import SETS, stage
 from .rivals import COULOMB_VISCOUS, LeastSquares
@@ -44,7 +45,8 @@ def measure_set(name, data, folder, methods, rivals=()):
     Return what every method, and offline rivals, say of the test runs of one measured set.
 
     A list of {'set', 'run', 'truth' (mass [kg] beside what the model was identified with),
-    'rated', 'methods': {name: [[mass, std], ...]} at MOMENTS, None where the run is shorter}.
+    'rated', 'methods': {name: [[mass, std], ...]} at MOMENTS, None where the run is shorter,
+    'course': {name: a Course as a dict}, of those that go sample by sample}.
     """
     chosen, data = SETS[name], Path(data)
     inputs = Path(folder) / 'inputs' / name
@@ -63,8 +65,7 @@ def measure_set(name, data, folder, methods, rivals=()):
     runs = [(run, held) for run in test]
     runs += [(data / name / run, mass) for run, mass in LOADED.get(name, {}).items()]
     return [{'set': name, 'run': Path(run).name, 'truth': mass, 'rated': robot.rated_load.mass,
-             'methods': _beliefs(robot, models, read_recording(run, with_load=False), methods,
-                                 mass, rivals)}
+             **_found(robot, models, read_recording(run, with_load=False), methods, mass, rivals)}
             for run, mass in runs]
 
 
@@ -83,22 +84,28 @@ def _racing(models, methods):
             NOMINAL: Contestant(nominal, lambda f: LeastSquares(nominal, False))}
 
 
-def _beliefs(robot, models, recording, methods, truth, rivals):
-    """Return {method: [[mass, std] or None at each of MOMENTS]}; truth: the mass held [kg]."""
+def _found(robot, models, recording, methods, truth, rivals):
+    """Return 'methods' and 'course' of measure_set for one run; truth: the mass held [kg]."""
     samples = [s for s in motion_samples(JointStream(robot), recording) if not s.fresh]
     start, racing = motion_start(robot, recording.samples), _racing(models, methods)
     out, due = {name: [None] * len(MOMENTS) for name in racing}, list(enumerate(TIMES))
     if start is None:
-        return out
+        return {'methods': out, 'course': {}}
+    courses = {name: CourseOf(truth) for name in racing}
     for sample in samples:
         beliefs = {name: c.update(sample) for name, c in racing.items()}
+        beliefs = judged(racing, beliefs, truth)
+        for name, course in courses.items():
+            course.update(beliefs[name], sample.stamp > start + JUDGED_FROM)
         while due and sample.stamp >= start + due[0][1] - 1e-9:
-            _note(out, due.pop(0)[0], judged(racing, beliefs, truth))
-    _note(out, -1, judged(racing, beliefs, truth))
+            _note(out, due.pop(0)[0], beliefs)
+    _note(out, -1, beliefs)
     told = offline_beliefs(rivals, robot, models['textbook'], samples, start)
-    return {**out, **{name: [_offline(found.get(moment), start + t <= sample.stamp)
-                             for moment, t in zip(MOMENTS, (*TIMES, 0.0))]
-                      for name, found in told.items()}}
+    offline = {name: [_offline(found.get(moment), start + t <= sample.stamp)
+                      for moment, t in zip(MOMENTS, (*TIMES, 0.0))]
+               for name, found in told.items()}
+    return {'methods': {**out, **offline},
+            'course': {name: course.told(racing[name]) for name, course in courses.items()}}
 
 
 def _offline(found, lasted):
@@ -115,7 +122,10 @@ def judged(racing, beliefs, truth):
     Ours publish no mass below zero and rivals do: where zero is the truth, that would halve our
     error for no merit. There it is what methods believe.
     """
-    return beliefs if truth else {name: c.method.belief() for name, c in racing.items()}
+    if truth:
+        return beliefs
+    return {name: c.method.belief() if hasattr(c.method, 'tared') else beliefs[name]
+            for name, c in racing.items()}
 
 
 def _note(out, place, beliefs):
@@ -132,11 +142,47 @@ def real_scores(results):
 
 
 def _figures(name, runs):
-    """Return the error's median and largest value, % of rated, and how often 2 std cover it."""
-    found = [(r['methods'][name][-1], r) for r in runs
-             if name in r['methods'] and r['methods'][name][-1]]
-    errors = np.array([mass - r['truth'] for (mass, _), r in found])
-    percent = np.abs(errors) / [r['rated'] for _, r in found] * 100.0
-    inside = np.abs(errors) <= 1.96 * np.array([std for (_, std), _ in found])
-    return {'runs': len(found), 'median_percent': float(np.median(percent)),
-            'worst_percent': float(percent.max()), 'inside': float(inside.mean())}
+    """
+    Return the figures of one method over all runs.
+
+    'runs'; of the error at the end its 'median_percent' and 'worst_percent' (of rated) and how
+    often 2 std cover it ('inside'); 'percent_at': {moment: median, % of rated}; of the Courses
+    'later_percent' (largest |error| of all, % of rated), 'time_inside' and 'mismatch' (shares of
+    the time, mean over runs) and 'changes', each None where a method has none.
+    """
+    ours = [run for run in runs if name in run['methods'] and run['methods'][name][-1]]
+    percent = np.abs(_errors(name, ours, -1)) / [run['rated'] for run in ours] * 100.0
+    inside = np.abs(_errors(name, ours, -1)) <= 1.96 * np.array(
+        [run['methods'][name][-1][1] for run in ours])
+    return {'runs': len(ours), 'median_percent': float(np.median(percent)),
+            'worst_percent': float(percent.max()), 'inside': float(inside.mean()),
+            'percent_at': {moment: _median_percent(name, ours, k)
+                           for k, moment in enumerate(MOMENTS)},
+            **_course_figures([(run['course'][name], run['rated']) for run in ours
+                               if name in run['course']])}
+
+
+def _errors(name, runs, place):
+    return np.array([run['methods'][name][place][0] - run['truth'] for run in runs])
+
+
+def _median_percent(name, runs, place):
+    """Return the median |error| at a place of MOMENTS [% of rated], None where none was asked."""
+    asked = [run for run in runs if run['methods'][name][place]]
+    if not asked:
+        return None
+    rated = np.array([run['rated'] for run in asked])
+    return float(np.median(100.0 * np.abs(_errors(name, asked, place)) / rated))
+
+
+def _course_figures(found):
+    """Return what _figures says of (Course as a dict, rated mass [kg]) of all runs."""
+    def each(key):
+        return [course[key] for course, _ in found if course[key] is not None]
+
+    worst = [100.0 * course['worst'] / rated for course, rated in found
+             if course['worst'] is not None]
+    return {'later_percent': max(worst, default=None),
+            'time_inside': float(np.mean(each('inside'))) if each('inside') else None,
+            'mismatch': float(np.mean(each('mismatch'))) if each('mismatch') else None,
+            'changes': sum(each('changes')) if each('changes') else None}

@@ -15,6 +15,7 @@ from .change_scores import change_scores
 from .changes import change_jobs, CHANGES, measure_job
 from .contestants import chosen_methods, DEFAULT, FUNCTION, ON_FUNCTION
 from .cost import cost_jobs, cost_scores, measure_cost
+from .cost_page import cost_blocks
 from .document import Heading, Text, write_pages
 from .effect_cases import plants_of
 from .execute import measure_all, PROCESSES
@@ -24,11 +25,11 @@ from .joined import refuse_mixture, run_name, write_index, write_scores
 from .measure import measure_plant
 from .offline import chosen_rivals
 from .oracle_scores import oracle_scores
-from .other_pages import (change_blocks, cost_blocks, real_blocks, retraining_blocks,
-                          soak_blocks)
+from .other_pages import change_blocks, retraining_blocks, soak_blocks
 from .page import leading, suite_blocks
 from .provenance import commit_now, same_run, sources
 from .real import measure_set, real_jobs, real_scores
+from .real_page import real_blocks
 from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
                      verdicts)
