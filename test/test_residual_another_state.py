@@ -34,6 +34,8 @@ def judged(findings, times):
     ([finding('viscous_friction', 0), finding('cable_drag', 1)], 4, True),
     ([finding('time_delay', 0, 1, 2, 3), finding('cable_drag', 1)], 4, True),
     ([finding('base_tilt', 0, 1, 2, 3), finding('cable_drag', 1)], 4, True),
+    # What swings shakes all joints.
+    ([finding('unknown', 0, 1, 2), finding('cable_drag', 1)], 4, True),
     ([finding('external_contact', 0, 1, 2, recording='run')], 4, True)])
 def test_most_joints_with_causes_of_their_own_are_another_arm(findings, times, sure):
     found, told = judged(findings, np.full(4, times / 3.0 * FAR))

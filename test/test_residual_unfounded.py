@@ -190,9 +190,9 @@ def test_what_is_only_suspected_makes_nothing_small():
     assert small_beside_others((large, small)) == ((large, small), ())
 
 
-@pytest.mark.parametrize('share, sure', [(1.0, True), (0.1, False)])
+@pytest.mark.parametrize('share, sure', [(1.0, True), (0.12, True), (0.08, False)])
 def test_figures_within_chance_of_nothing_are_unsure(traced, share, sure):
-    """A change of so many times its own standard deviation, divided by ten."""
+    """A change of so many times ten of its own standard deviations."""
     model, trace, _ = traced
     where = place(model)
     mean, covariance = model.mean.copy(), model.covariance.copy()

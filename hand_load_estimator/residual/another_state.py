@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import EFFECTS
 from .diagnosis import SUSPECTED
 from .hypotheses import ONE_CAUSE
 
@@ -41,7 +40,5 @@ def of_another_state(findings, model, residual):
 
 
 def _of_a_joint(finding):
-    # What is only suspected differs all the same.
-    if finding.recording or finding.name in ONE_CAUSE:
-        return False
-    return finding.name not in EFFECTS or not EFFECTS[finding.name].whole_arm
+    # What is only suspected differs all the same; what several joints show together is one cause.
+    return not finding.recording and len(finding.joints) == 1 and finding.name not in ONE_CAUSE

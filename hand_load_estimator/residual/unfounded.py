@@ -21,8 +21,9 @@ from .hypothesis import WHOLE
 
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
 EXACT = 0.05
-# Figures of an effect are sure where chance makes as large ones in less than the rest of this.
-CERTAIN = 0.95
+# Held-out blocks have told that there is something. Figures that chance makes as large as they are
+# in more than the rest of this (one standard deviation of one figure) are none of it.
+CERTAIN = 0.68
 # Directions of a covariance below this share of their own units are rounding.
 ROUNDING = 1e-9
 
