@@ -13,7 +13,7 @@ from .diagnosis_figures import errors_svg
 from .effect_section import badges_html, effect_section, what, where
 from .page_parts import html_image, html_table, STYLE
 from .structure_section import structure_section
-from .words import (as_sentence, items_html, label_html, number_text, range_text,
+from .words import (as_sentence, items_html, label_html, name_words, number_text, range_text,
                     share_text)
 
 # Structure below this share of the residual variance is told as nothing of weight.
@@ -57,7 +57,7 @@ def _sentence(finding, diagnosis):
     """Return where, what, and the torque error before and after of its joint."""
     j = _strongest(finding, diagnosis.joints)
     of = '' if len(finding.joints) == 1 else f' of {diagnosis.joints[j]}'
-    named = f'{where(finding, diagnosis.joints)}: {what(finding)}'
+    named = _named(finding, diagnosis.joints)
     if not math.isfinite(diagnosis.after[j]):
         return f'{named}; torque error{of} not known, because no joint slid in the test'
     before, after = number_text(diagnosis.before[j]), number_text(diagnosis.after[j])
@@ -67,10 +67,18 @@ def _sentence(finding, diagnosis):
     return f'{named}, torque error{of} {error} Nm{worse}'
 
 
+def _named(finding, joints):
+    """Return where and what, and what the recordings do not tell from it."""
+    others = dict.fromkeys(name_words(other.name) for other in finding.alternatives
+                           if other.name != finding.name)
+    untold = f' (or {" or ".join(others)}: not told apart)' if others else ''
+    return f'{where(finding, joints)}: {what(finding)}{untold}'
+
+
 def _summary(diagnosis):
     """Return the findings in short, each linked to its section."""
     return items_html(f'{badges_html(f)} <a href="#effect-{k}">'
-                      f'{escape(where(f, diagnosis.joints))}: {escape(what(f))}</a>'
+                      f'{escape(_named(f, diagnosis.joints))}</a>'
                       for k, f in enumerate(diagnosis.findings, 1))
 
 

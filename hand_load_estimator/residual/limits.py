@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..effects import NEEDS_TEMPERATURE
 from ..errors import RecordingError
 from .another_robot import refuse_another_robot
 from .standing import POSE
@@ -32,8 +33,9 @@ def warmed_joints(model, evidence):
     columns = np.concatenate([e.motion.temperature for e in evidence]).T
     known = [column[np.isfinite(column)] for column in columns]
     if not any(len(column) for column in known):
-        return (), ['cannot tell effects of temperature because none was recorded; friction as of '
-                    'another temperature counts as expected']
+        modelled = any(use.name in NEEDS_TEMPERATURE for use in model.uses)
+        return (), ['cannot tell effects of temperature because none was recorded'
+                    + '; friction as of another temperature counts as expected' * modelled]
     spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
     warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
     if not warmed:
