@@ -7,6 +7,7 @@ from effects_suite_helpers import JOINT, PLANT, result
 import numpy as np
 from plant_helpers import ur10e
 import pytest
+from residual_helpers import recorded
 import yaml
 
 from hand_load_estimator import cli
@@ -14,6 +15,7 @@ from hand_load_estimator.benchmark import cases, effect_measure, effect_recordin
 from hand_load_estimator.benchmark.effect_cases import EffectCase, Hidden, suite_cases
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_page import effects_markdown
+from hand_load_estimator.benchmark.effect_recordings import Recordings, without_temperatures
 from hand_load_estimator.benchmark.effect_scores import effect_rows
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.identification import identify
@@ -143,3 +145,13 @@ def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
     for option in ('--learned', '--methods', '--cases'):
         assert cli.main(['benchmark', '--suite', 'effects', option, '7', '--out', 'y']) == 2
         assert option in capsys.readouterr().err
+
+
+def test_recordings_of_an_arm_without_sensors_hold_no_temperature():
+    (run, test, *_) = recorded()
+    blind = without_temperatures(Recordings((run,), (test,), ('loaded',)))
+    for before, after in ((run, blind.evidence[0]), (test, blind.test[0])):
+        assert np.isnan(after.motion.temperature).all()
+        np.testing.assert_array_equal(after.torque, before.torque)
+        np.testing.assert_array_equal(after.motion.q, before.motion.q)
+    assert blind.loaded == ('loaded',)

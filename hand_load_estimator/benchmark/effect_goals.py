@@ -29,10 +29,8 @@ def verdicts(total):
                    total['outside'], 100),
             _share('contact or load change: named or kept out of the model', total['kept_out'],
                    100)]
-    clean, false = total['clean']
-    few = '' if clean >= CLEAN_SETS else ', too few to tell'
-    rows.append(('confirmed on clean plants', f'<= 1 on {CLEAN_SETS}', f'{false} on {clean}{few}',
-                 false <= 1 and not few) if clean else None)
+    rows += [_clean('confirmed on clean plants', total['clean']),
+             _clean('the same where no temperature was recorded', total['blind'])]
     confirmed, false = total['confirmed']
     rows.append(('false among all findings confirmed, any strength', 'told',
                  share_text(false, confirmed), None) if confirmed else None)
@@ -43,6 +41,13 @@ def verdicts(total):
         rows.append(('seconds per diagnosis, median and longest', f'<= {SECONDS_GOAL:g}',
                      f'{np.median(total["seconds"]):.0f}, {worst:.0f}', worst <= SECONDS_GOAL))
     return [row for row in rows if row]
+
+
+def _clean(what, counts):
+    clean, false = counts
+    few = '' if clean >= CLEAN_SETS else ', too few to tell'
+    return (what, f'<= 1 on {CLEAN_SETS}', f'{false} on {clean}{few}',
+            false <= 1 and not few) if clean else None
 
 
 def _share(what, counts, goal):

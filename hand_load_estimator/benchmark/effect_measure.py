@@ -9,10 +9,11 @@ from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
 from ..report.diagnosis_json import diagnosis_content
 from ..robot import load_robot
-from .effect_cases import place
+from .effect_cases import BLIND, place
 from .effect_errors import differences, mass_errors, rms, torque_rmse
 from .effect_outcome import naming
-from .effect_recordings import new_arm, NewArm, record, Recordings, tested_floors
+from .effect_recordings import (new_arm, NewArm, record, Recordings, tested_floors,
+                                without_temperatures)
 from .effect_truth import model_change, stated, true_change
 
 
@@ -60,8 +61,10 @@ def prepared(case, entries, robot_path):
     """Return what is Prepared of a case with the effects of `entries`."""
     arm = new_arm(str(robot_path), case.plant)
     effects = parse_effects(entries, arm.model.robot)
-    return Prepared(arm, record(arm.model.robot, case.plant, effects),
-                    tuple(tested_floors(arm.model, case.plant, effects)))
+    recordings = record(arm.model.robot, case.plant, effects)
+    if case.kind == BLIND:
+        recordings = without_temperatures(recordings)
+    return Prepared(arm, recordings, tuple(tested_floors(arm.model, case.plant, effects)))
 
 
 def _said(diagnosis):

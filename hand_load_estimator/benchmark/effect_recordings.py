@@ -1,6 +1,6 @@
 """What is recorded of a plant: without load to diagnose and to test, with known loads to judge."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -55,6 +55,16 @@ def record(robot, plant, effects=()):
     drawn = [draw_case(robot, plant, seed) for seed in load_seeds(plant, LOADED)]
     return Recordings(tuple(parts[:len(DIAGNOSED)]), tuple(parts[len(DIAGNOSED):]),
                       tuple((case, case_run(robot, case, effects)) for case in drawn))
+
+
+def without_temperatures(recordings):
+    """Return Recordings as of an arm without sensors of temperature."""
+    def blind(evidence):
+        motion = evidence.motion
+        unknown = np.full_like(motion.temperature, np.nan)
+        return replace(evidence, motion=replace(motion, temperature=unknown))
+    return replace(recordings, evidence=tuple(map(blind, recordings.evidence)),
+                   test=tuple(map(blind, recordings.test)))
 
 
 def tested_floors(model, plant, effects):

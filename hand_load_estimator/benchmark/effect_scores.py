@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from ..residual.diagnosis import CONFIRMED
-from .effect_cases import (CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SAME_JOINT,
+from .effect_cases import (BLIND, CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SAME_JOINT,
                            SINGLE)
 from .effect_errors import MASS_MOMENTS
 from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
@@ -180,8 +180,8 @@ def totals(results):
         'same_joint': _right(_of_kind(tried(results), SAME_JOINT)),
         'common': _right(_of_kind(tried(results), COMMON)),
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
-        'clean': [len(_of_kind(measured(results), CLEAN)),
-                  sum(len(judge(r)[1]) for r in _of_kind(measured(results), CLEAN))],
+        'clean': _found_in(_of_kind(measured(results), CLEAN)),
+        'blind': _found_in(_of_kind(measured(results), BLIND)),
         'confirmed': _confirmed(measured(results)),
         'both_named': sum(judge(r)[0][0]['outcome'] == BOTH for r in effects),
         'false_beside': sum(len(judge(r)[1]) for r in effects
@@ -192,6 +192,11 @@ def totals(results):
         'mass_before': {moment: mass_ratio(ran, 'before', moment) for moment in MASS_MOMENTS}
         if ran else {},
         'seconds': [r['seconds'] for r in measured(results)]}
+
+
+def _found_in(results):
+    """Return [sets in which nothing is hidden, effects confirmed in them]."""
+    return [len(results), sum(len(judge(r)[1]) for r in results)]
 
 
 def _confirmed(results):
