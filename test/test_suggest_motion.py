@@ -106,7 +106,7 @@ def test_nothing_is_suggested_for_what_no_motion_settles(model):
 
 
 def test_it_is_refused_before_data_and_while_moving(model):
-    with pytest.raises(SuggestionError, match='no joint states'):
+    with pytest.raises(SuggestionError, match='no usable joint states'):
         pipeline_of(model).suggest_motion()
     pipeline = warm(pipeline_of(model))
     feed(pipeline, messages(model, block(2.0), 1.5))
