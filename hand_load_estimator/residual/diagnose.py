@@ -83,8 +83,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
                               (names, whole, outside.found), (before, after))
-    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
-    findings, state = of_another_state(findings, model, residual)
+    findings, between, state = _beyond_recordings(findings, model, residual, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
     cannot = [*state, *by_name, *told, *sentences, *slow_joint_states(evidence),
@@ -232,6 +231,13 @@ def errors_of(model, evidence):
     """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
     residuals = [find_residual(model, [e], cut=False) for e in evidence]
     return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
+
+
+def _beyond_recordings(findings, model, residual, evidence):
+    """Return Findings that recordings of these temperatures, and of this arm, can confirm; why."""
+    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
+    findings, state = of_another_state(findings, model, residual)
+    return findings, between, state
 
 
 def _unfinished(trace):
