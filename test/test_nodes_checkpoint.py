@@ -159,7 +159,7 @@ def test_it_suggests_a_motion_and_knows_its_tool(start, listener, tmp_path):
     estimator, feeder = started(start, listener, '-p', f'tool:={tool}')
     heard = listener.listen(JointTrajectory, 'estimator/suggested_motion', LATCHED)
     answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request())
-    assert not answer.success and 'no joint states' in answer.message
+    assert not answer.success and 'no usable joint states' in answer.message
     feeder.play(standing())
     answer = listener.call(Trigger, 'estimator/suggest_motion', Trigger.Request(), timeout=30.0)
     assert answer.success and 'not determined: mass' in answer.message, answer.message
