@@ -13,6 +13,7 @@ from .presliding import STUCK_TIME, PreslidingState, stuck_variance
 from .shown_friction import ShownStream
 from .shown_gear import shown_side, shown_size
 from .shown_links import shown_links_and_way
+from .sliding import surely_slides
 from .torque_columns import real_torque, torque_columns, warmth_of
 from .torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .torque_noise import SampleNoise
@@ -169,8 +170,8 @@ class ModelFollower:
         # Identification measured the residual's density; sampled more rarely it has more.
         stated = density = self.model.residuals.load_intensity
         if self._noise is not None:
-            density = np.maximum(
-                density, self._noise.update(difference, sample.dt, sample.messages))
+            density = np.maximum(density, self._noise.update(
+                difference, sample.dt, sample.messages, surely_slides(sample.v, z, doubt)))
         noise = (density - stated) / sample.dt
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])

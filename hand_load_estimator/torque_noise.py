@@ -4,7 +4,8 @@ How much of a torque difference is noise of its single samples.
 The model file states the density of its residual at the rate it was identified at. A driver that
 reports less often, or a noisier one, hands over more noise per second of data: white noise of
 variance s^2 at spacing dt has the density s^2 dt. Fourth differences see hardly anything of a
-motion, so their size tells that density while the arm works.
+motion, so their size tells that density while the arm works: on joints that slide. What friction
+does to a joint that is held or turns around is no noise, and larger.
 """
 
 from functools import lru_cache
@@ -16,7 +17,7 @@ from .filtered_noise import noise_gain
 
 _DIFFERENCES = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _MEMORY = 150            # samples of the running mean
-# A reversal's step of friction is no noise: squares count up to so many times the mean.
+# A knock is no noise: squares count up to so many times the mean.
 _CLIP = 9.0
 _UNEVEN = 0.5            # spacings that differ by more than this share are uneven
 _PER_OCTAVE = 8          # steps of the spacing, so that jitter needs few gains
@@ -44,16 +45,18 @@ class SampleNoise:
 
     def __init__(self, rmse):
         self._variance = rmse ** 2
-        self._mean, self._count = None, _ASSUMED
+        self._mean, self._count = None, np.full(len(rmse), _ASSUMED)
         self.restart()
 
     def restart(self):
         """Begin the differences anew, as after a gap; what was measured stays."""
         self._last, self._spacing = [], None
+        self._slid = np.zeros(len(self._variance))
 
-    def update(self, difference, dt, messages):
+    def update(self, difference, dt, messages, slides):
         """
-        Take a filtered difference (n,) [Nm], its spacing [s] and messages; return (n,) [Nm^2 s].
+        Take a filtered difference (n,) [Nm], its spacing [s] and messages, and which joints slide
+        (n,) bool; return the density (n,) [Nm^2 s].
         """
         if self._mean is None:
             self._mean = self._variance * dt
@@ -62,11 +65,13 @@ class SampleNoise:
             self._last = []
         self._spacing = dt
         self._last = [*self._last[-4:], difference]
-        if len(self._last) == 5:
+        self._slid = np.where(slides, self._slid + 1, 0)
+        told = self._slid >= len(_DIFFERENCES)
+        if len(self._last) == len(_DIFFERENCES) and told.any():
             step = round(_PER_OCTAVE * math.log2(max(dt, _SHORTEST) / 0.02))
             gain = difference_gain(step, min(messages, _MOST))
             square = _DIFFERENCES.dot(np.array(self._last)) ** 2 / gain
-            self._count = min(self._count + 1, _MEMORY)
-            self._mean = self._mean + (np.minimum(square, _CLIP * self._mean)
-                                       - self._mean) / self._count
+            self._count = np.minimum(self._count + told, _MEMORY)
+            self._mean = self._mean + told * (np.minimum(square, _CLIP * self._mean)
+                                              - self._mean) / self._count
         return self._mean

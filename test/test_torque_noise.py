@@ -10,7 +10,7 @@ from hand_load_estimator.plant import simulate_motion, TemperatureEvent
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.shared_files import find_shared
 from hand_load_estimator.simulate_motions import named_motion
-from hand_load_estimator.torque_noise import SampleNoise
+from hand_load_estimator.torque_noise import difference_gain, SampleNoise
 
 STD = 1.2  # [Nm] of one reported torque
 
@@ -22,7 +22,7 @@ def measured(rate, torque=lambda t: 0.0, seconds=15.0):
         effort = torque(k / rate) + STD * rng.normal(size=1)
         sample = motion.update(k / rate, np.zeros(1), np.zeros(1), effort)
         if sample is not None and not sample.fresh:
-            density = noise.update(sample.effort, sample.dt, sample.messages)
+            density = noise.update(sample.effort, sample.dt, sample.messages, np.array([True]))
     return density[0]
 
 
@@ -44,9 +44,23 @@ def test_reversals_are_hardly_noise():
     assert measured(500, friction) < 2.0 * measured(500)
 
 
+def test_a_joint_that_does_not_slide_is_not_asked():
+    """Held, or turning around, friction works like noise that sliding joints do not have."""
+    rng, noise = np.random.default_rng(1), SampleNoise(np.array([0.3, 0.3]))
+    for k in range(200):
+        # The second joint slides now and then, never for five samples in a row.
+        slides = np.array([k % 50 > 25, k % 5 > 0])
+        held = np.array([0.0 if slides[0] else 5.0, 5.0])
+        density = noise.update((0.3 + held) * rng.normal(size=2), 0.02, 10, slides)
+    # Behind a filter that was not there, white noise looks larger than it is.
+    gain = difference_gain(0, 8)
+    assert density[0] == pytest.approx(70.0 * 0.3 ** 2 / gain, rel=0.4)
+    assert density[1] == pytest.approx(0.3 ** 2 * 0.02)
+
+
 def test_until_it_is_measured_the_residual_is_taken_for_noise():
     noise = SampleNoise(np.array([0.3, 2.0]))
-    np.testing.assert_allclose(noise.update(np.zeros(2), 0.02, 10), np.array([0.09, 4.0]) * 0.02)
+    np.testing.assert_allclose(noise.update(np.zeros(2), 0.02, 10, np.ones(2, bool)), np.array([0.09, 4.0]) * 0.02)
 
 
 def test_messages_that_nearly_coincide_do_no_harm():
