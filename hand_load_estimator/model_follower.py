@@ -60,7 +60,7 @@ class ModelFollower:
                                      model.presliding_power())
         self._shown = ShownStream() if any(
             np.isfinite(use.shape.get('travel', np.inf)) for use in model.uses) else None
-        self._friction = model.friction_level()
+        self._friction = model.held_friction()
         self._gear_friction = np.zeros(model.robot.n)
         for use, where in model.slices():
             if use.name == 'load_dependent_friction':

@@ -111,7 +111,7 @@ class MotionSuggester:
         self._model, self._robot, self._thresholds = model, model.robot, np.array(thresholds)
         self._follower = ModelFollower(model, measured=False)
         self._clearance = Clearance(model.robot)
-        self._level = model.friction_level()
+        self._level = model.held_friction()
         self._candidates = sorted(self._all(), key=lambda candidate: candidate.cost)
 
     def suggest(self, mean, covariance, pose, temperature, factor=1.0):

@@ -19,6 +19,8 @@ from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, 
 DRIFTS = 3
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0
+# Effects that make the level of friction.
+LEVELS = ('coulomb_friction', 'stribeck_friction')
 # Effects of temperature, and which of a joint's drifts an unknown temperature looks like.
 WARMED = {'temperature_dependent_coulomb_friction': 1,
           'temperature_dependent_viscous_friction': 2}
@@ -92,13 +94,24 @@ class TorqueModel:
 
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""
-        coulomb, stribeck = np.zeros(self.robot.n), np.zeros(self.robot.n)
-        for use, columns in self.slices():
-            if use.name == 'coulomb_friction':
-                coulomb[use.joint] = self.mean[columns.start]
-            elif use.name == 'stribeck_friction':
-                stribeck[use.joint] = self.mean[columns.start]
+        coulomb, stribeck = self._friction(self.mean)
         return np.maximum(np.abs(coulomb), np.abs(coulomb + stribeck))
+
+    def held_friction(self):
+        """
+        Return what a joint that stands may hold (n,) [Nm]: friction_level and its own doubt.
+
+        A joint that never moved in the recordings has no level, and holds friction all the same.
+        """
+        return np.sqrt(self.friction_level() ** 2 + self._friction(np.diag(self.covariance))[0])
+
+    def _friction(self, x):
+        """Return Coulomb's and Stribeck's entries (n,) of the parameters x, zero without any."""
+        out = np.zeros((2, self.robot.n))
+        for use, columns in self.slices():
+            if use.name in LEVELS:
+                out[LEVELS.index(use.name), use.joint] = x[columns.start]
+        return out
 
     @cached_property
     def layout(self):

@@ -229,7 +229,7 @@ def test_a_joint_holds_the_more_the_more_its_gear_is_loaded(samples):
     motion, x, held = along(model, samples[:50])
     friction = np.array([follower.update(s).friction for s in samples[:50]])
     gear = columns_of_links(model, x) + held
-    np.testing.assert_allclose(friction, model.friction_level() + share * np.abs(gear), atol=1e-9)
+    np.testing.assert_allclose(friction, model.held_friction() + share * np.abs(gear), atol=1e-9)
     still = replace(samples[0], v=np.zeros(4), a=np.zeros(4), dt=0.02)
     changed = []
     for factor in (0.9, 1.1):
