@@ -102,7 +102,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt)
                           & system.tells, system.dt, system.owner)
-    residuals = Residuals(rmse_of(robot, system, left_out.residual), intensity, drift, sliding,
+    unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
+    residuals = Residuals(rmse_of(unjudged, system, left_out.residual), intensity, drift, sliding,
                           share_left_out(system, held_out(system, mean, covariance, stated),
                                          stated, drift))
     seen = temperatures[np.isfinite(temperatures)]

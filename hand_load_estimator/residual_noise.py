@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .sliding import FEWEST_SECONDS
+
 # Lengths [s] of the block means from which the residual's density is read.
 BLOCK_MEANS = (0.06, 0.2, 0.5, 1.0)
 # Smallest residual believed, as a fraction of the joint's maximum torque.
@@ -34,12 +36,17 @@ def density(residual, weights, owner, dt):
     return best
 
 
-def rmse_of(robot, system, residual):
-    """Return the RMS (n,) [Nm] of a residual (N, n) of a System while joints surely slide."""
+def rmse_of(model, system, residual):
+    """
+    Return the RMS (n,) [Nm] of a residual (N, n) of a System while joints surely slide.
+
+    A joint that hardly did shows no residual; it leaves as much as a TorqueModel identified from
+    the System does not know of its friction.
+    """
     moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9) & system.tells
     rmse = np.sqrt((moving * residual ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
-    # A joint that never slid shows no noise; it has some.
-    return np.maximum(rmse, LEAST_NOISE * robot.limits.torque)
+    unknown = np.where(system.dt @ moving < FEWEST_SECONDS, model.friction_doubt(), 0.0)
+    return np.maximum(np.maximum(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
 
 
 def drift_of(system, residual, weights):

@@ -103,7 +103,11 @@ class TorqueModel:
 
         A joint that never moved in the recordings has no level, and holds friction all the same.
         """
-        return np.sqrt(self.friction_level() ** 2 + self._friction(np.diag(self.covariance))[0])
+        return np.hypot(self.friction_level(), self.friction_doubt())
+
+    def friction_doubt(self):
+        """Return the standard deviation (n,) [Nm] of each joint's Coulomb level."""
+        return np.sqrt(self._friction(np.diag(self.covariance))[0])
 
     def _friction(self, x):
         """Return Coulomb's and Stribeck's entries (n,) of the parameters x, zero without any."""

@@ -19,7 +19,6 @@ from ..control.supervisor import Supervisor
 from ..input_guard import InputGuard
 from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from ..load import products_from_message
-from ..simulated_model import told_of_simulated
 from .command_line import run_from_command_line
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
@@ -32,6 +31,7 @@ from .draining import subscribe_draining
 from .estimate_messages import KNOWN_MASSES, vector_of_inertia
 from .input_report import InputReport
 from .load_pairing import LoadPairing
+from .model_cautions import cautions
 from .model_choice import robot_and_model
 from .parameters import NodeParameters
 from .qos import LATCHED, OUTPUT, measurement
@@ -104,8 +104,8 @@ class ControllerNode(Node):
         self._diagnostics.add('input', self._report_input)
         simulated = self.get_parameter('use_sim_time').value
         self._diagnostics.add('model', lambda: report_torque_model(self._model, simulated))
-        if other := told_of_simulated(self._model, simulated):
-            self.get_logger().warning(other)
+        for caution in cautions(self._model, simulated):
+            self.get_logger().warning(caution)
 
     def _now(self):
         return self._base.seconds(self.get_clock().now().to_msg())

@@ -1,7 +1,7 @@
 """What /diagnostics says of the controller: its motion, the load it counts on, collisions."""
 
-from ..simulated_model import told_of_simulated
 from .diagnostics import ERROR, OK, WARN
+from .model_cautions import cautions
 
 
 def report_motion(supervisor, listened, clocked):
@@ -47,7 +47,7 @@ def report_load(policy):
 
 def report_torque_model(model, simulated):
     """Return (level, message, values) of the TorqueModel that moves are planned with."""
-    told = told_of_simulated(model, simulated)
+    told = '; '.join(cautions(model, simulated))
     values = {'recordings': ', '.join(model.recording_names) or 'none'}
     return (WARN, told, values) if told else (OK, 'the model in use', values)
 

@@ -18,7 +18,6 @@ from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..estimators.pipeline import TareError
 from ..load import message_from_products
-from ..simulated_model import told_of_simulated
 from ..suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .command_line import run_from_command_line
@@ -30,6 +29,7 @@ from .estimate_messages import (covariance_message, estimate_status, impossible_
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
+from .model_cautions import cautions
 from .model_choice import robot_and_model
 from .model_report import report_model, told_of_model
 from .parameters import NodeParameters
@@ -79,8 +79,8 @@ class EstimatorNode(Node):
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
                                f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
                                f'checkpoint: {self._checkpoint.told}')
-        if other := told_of_simulated(self._pipeline.model, self._simulated()):
-            self.get_logger().warning(other)
+        for caution in cautions(self._pipeline.model, self._simulated()):
+            self.get_logger().warning(caution)
 
     def _simulated(self):
         return self.get_parameter('use_sim_time').value

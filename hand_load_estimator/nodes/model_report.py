@@ -4,8 +4,8 @@ from datetime import datetime
 
 import numpy as np
 
-from ..simulated_model import told_of_simulated
 from .diagnostics import OK, WARN
+from .model_cautions import cautions
 
 # A residual within this factor of the one at the last diagnosis has not grown since.
 GROWN = 1.2
@@ -33,7 +33,7 @@ def report_model(pipeline, written, base, simulated):
         values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))
         told = [f'{_told(a, base)}{_since_diagnosis(a, model)}' for a in aged]
         told[0] = f'model has aged: {told[0]}'
-    told += filter(None, [told_of_simulated(model, simulated)])
+    told += cautions(model, simulated)
     if told:
         return WARN, '; '.join(told), values
     if not watch.enough.all():

@@ -173,7 +173,8 @@ def _identified(model, declared, before, evidence, own):
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
-        friction = TorqueModel(robot, uses, links, x, posterior, None).friction_level()
+        unjudged = TorqueModel(robot, uses, links, x, posterior, None)
+        friction = unjudged.friction_level()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out.residual, weights, system.owner, system.dt)
         if not own:
@@ -182,7 +183,7 @@ def _identified(model, declared, before, evidence, own):
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
-    rmse, drift = rmse_of(robot, system, left_out.residual), residuals.drift
+    rmse, drift = rmse_of(unjudged, system, left_out.residual), residuals.drift
     if own:
         drift = drift_of(system, left_out.residual, weights)
     else:
