@@ -39,7 +39,8 @@ def nonsense(model, evidence):
         elif model.noise[j] > np.sqrt(LEFT) * own > np.sqrt(LEFT) * SOMETHING \
                 * model.robot.limits.torque[j]:
             out.append(f'{name}: the model explains less than half of its torque (varies by '
-                       f'{own:.2g} Nm, {model.noise[j]:.2g} Nm are left); {CHECK}')
+                       f'{own:.2g} Nm, {model.noise[j]:.2g} Nm are left); {CHECK}, or, where the '
+                       'joint has a balancer, declare gravity_spring with --effects')
     return out
 
 
