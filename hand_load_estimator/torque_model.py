@@ -5,12 +5,12 @@ tau_mdl = Y(theta, theta', theta'') x, where x holds the links' products (10 n) 
 effects' parameters, joint by joint.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from .effects import EffectInput
+from .effects import EffectInput, LATE
 from .robot import Robot
 from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
                              torque_columns, warmth_of)
@@ -197,7 +197,25 @@ def uncertain_directions(model, directions, seed):
     values, vectors = np.linalg.eigh(model.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     weight = 1.0 / np.sqrt(model.residuals.intensity)
-    effect = torque_columns(robot, model.layout, x, model.mean) @ root
+    columns = torque_columns(robot, model.layout, x, model.mean)
+    _write_delays(model, x, columns)
+    effect = columns @ root
     rows = (effect * weight[None, :, None]).reshape(count * n, -1)
     _, axes = np.linalg.eigh(rows.T @ rows)
     return root @ axes[:, ::-1][:, :directions]
+
+
+def _write_delays(model, x, columns):
+    """
+    Write what the shares of delays do at single states x into their columns (N, n, P).
+
+    A state by itself has no past: the torque a shift earlier is that of a motion that led to it.
+    """
+    layout, now = model.layout, model.layout.prompt_torque(columns, model.mean)
+    for use, where in model.slices():
+        if use.name == LATE:
+            shift = use.shape['shift']
+            earlier = replace(x, q=x.q - shift * x.v, v=x.v - shift * x.a)
+            then = layout.prompt_torque(
+                torque_columns(model.robot, layout, earlier, model.mean), model.mean)
+            columns[:, use.joint, where.start] = (then - now)[:, use.joint]

@@ -180,6 +180,7 @@ def test_uncertainties_online_are_those_of_identification(samples):
     system = System(model.robot, model.uses, [Evidence('run', motion, motion.effort)], model.mean)
     follower = ModelFollower(model)
     uncertain = uncertain_directions(model, 12, 0)
+    assert np.abs(uncertain[model.layout.late]).max() > 1e-3
     seen = np.array([follower.update(s).model_columns for s in samples])
     np.testing.assert_allclose(seen[:, :, :12], system.columns @ uncertain, atol=1e-9)
     drift = drift_std(model, np.ones(4, bool))
