@@ -54,6 +54,12 @@ def test_every_finding_has_a_sentence():
     assert any('of unknown kind suspected' in text for text in told)
 
 
+def test_that_it_is_rather_another_arm_leads():
+    diagnosis = dataclasses.replace(found(), another_state=True)
+    assert diagnosis_page.headline(diagnosis).startswith('Rather another arm')
+    assert diagnosis_page.sentences(diagnosis)[1:] == diagnosis_page.sentences(found())
+
+
 def test_a_worse_error_is_a_warning():
     worse = dataclasses.replace(found(), after=2.0 * np.array(found().before))
     assert 'worse on the test' in diagnosis_page.headline(worse)

@@ -55,3 +55,4 @@ def test_friction_changed_at_three_of_four_joints_asks_for_a_new_model():
     diagnosis, _ = diagnosed(*(on(j, 8.0, viscous) for j in range(3)))
     assert {f.verdict for f in diagnosis.findings} == {SUSPECTED}
     assert 'identify this arm anew' in diagnosis.cannot_tell[0]
+    assert diagnosis.another_state

@@ -48,9 +48,15 @@ def headline(diagnosis):
 
 
 def sentences(diagnosis):
-    """Return a plain-text sentence per finding, confirmed ones first, or one that says none."""
+    """
+    Return a plain-text sentence per finding, confirmed ones first, or one that says none.
+
+    Where the arm is rather another one than ailing, that comes first.
+    """
     findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
-    return [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
+    told = [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
+    return [f'Rather another arm, or a model of another time, than so many defects: identify '
+            f'{diagnosis.robot} anew'] * diagnosis.another_state + told
 
 
 def _sentence(finding, diagnosis):

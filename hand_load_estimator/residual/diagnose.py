@@ -102,7 +102,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         seconds=time.monotonic() - began,
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure,
-        sliding=_sliding(better, test), noise_most=rest_of_test.most), correction), better
+        sliding=_sliding(better, test), noise_most=rest_of_test.most,
+        another_state=bool(state)), correction), better
 
 
 def _models(model, steps, evidence, misled, seen):

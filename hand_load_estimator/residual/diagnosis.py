@@ -187,7 +187,8 @@ class Diagnosis:
     leaves now while joints slide, as of Residuals, or None; seen: names of recordings tested on
     that the model itself was identified from; refitted: it was identified from all of them, and
     before and after are of fits without the part kept for the test; left_out [s]: of that part,
-    in which something acted from outside.
+    in which something acted from outside; another_state: most joints differ, each by its own
+    cause, so that the arm is rather another one than ailing (another_state.py).
     """
 
     robot: str
@@ -214,6 +215,7 @@ class Diagnosis:
     refitted: bool = False
     left_out: float = 0.0
     noise_most: np.ndarray | None = None
+    another_state: bool = False
 
     @property
     def unexplained_most(self):
