@@ -98,11 +98,11 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     intensity = density(left_out.residual, weights, system.owner, system.dt)
     stated = system.weights(intensity, friction)
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
-    drift = drift_of(system, left_out.residual, weights)
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt)
                           & system.tells, system.dt, system.owner)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
+    drift = drift_of(unjudged, system, left_out.residual, weights)
     residuals = Residuals(rmse_of(unjudged, system, left_out.residual), intensity, drift, sliding,
                           share_left_out(system, held_out(system, mean, covariance, stated),
                                          stated, drift))

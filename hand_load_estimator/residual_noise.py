@@ -3,11 +3,16 @@
 import numpy as np
 
 from .sliding import FEWEST_SECONDS
+from .torque_model import WARMED
 
 # Lengths [s] of the block means from which the residual's density is read.
 BLOCK_MEANS = (0.06, 0.2, 0.5, 1.0)
 # Smallest residual believed, as a fraction of the joint's maximum torque.
 LEAST_NOISE = 1e-4
+# Shares by which offset, Coulomb level and viscous coefficient of one day differ from another's
+# [standard deviations] where no temperature is known: viscous friction falls by a third to a half
+# from a cold joint to a warm one, Coulomb's changes little (Bittencourt et al. 2010).
+USUAL_DRIFT = np.array([0.0, 0.05, 0.2])
 
 
 def density(residual, weights, owner, dt):
@@ -49,9 +54,33 @@ def rmse_of(model, system, residual):
     return np.maximum(np.maximum(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
 
 
-def drift_of(system, residual, weights):
+def drift_of(model, system, residual, weights):
     """
     Return the std (n, 3) between recordings of offset, Coulomb level and viscous coefficient.
+
+    model: a TorqueModel identified from the System. Few recordings show little of how friction
+    differs from day to day: where no temperature tells it, USUAL_DRIFT counts as one of them.
+    """
+    seen, recordings = _drift_seen(system, residual, weights), len(np.unique(system.recording))
+    usual = USUAL_DRIFT * _friction(model)
+    mixed = np.sqrt(((recordings - 1) * seen ** 2 + usual ** 2) / recordings)
+    told = {use.joint for use in model.uses if use.name in WARMED}
+    return np.where(np.isin(np.arange(len(seen)), list(told))[:, None], seen, mixed)
+
+
+def _friction(model):
+    """Return offset, Coulomb level and viscous coefficient (n, 3) of a TorqueModel; no offset."""
+    out = np.zeros((model.robot.n, 3))
+    out[:, 1] = model.friction_level()
+    for use, where in model.slices():
+        if use.name == 'viscous_friction':
+            out[use.joint, 2] = model.mean[where.start]
+    return out
+
+
+def _drift_seen(system, residual, weights):
+    """
+    Return what of the drift (n, 3) a System's recordings show.
 
     Each recording's residual is fitted by the three; the spread over recordings, less what its
     own noise explains, is what changes from day to day. Recordings are halved, so that one alone

@@ -185,7 +185,7 @@ def _identified(model, declared, before, evidence, own):
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     rmse, drift = rmse_of(unjudged, system, left_out.residual), residuals.drift
     if own:
-        drift = drift_of(system, left_out.residual, weights)
+        drift = drift_of(unjudged, system, left_out.residual, weights)
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
     stated = system.weights(intensity, friction)
