@@ -14,7 +14,7 @@ from .errors import ConfigurationError, RecordingError
 from .knee_fit import with_knees_fitted
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
-from .residual_noise import density, drift_of, rmse_of
+from .residual_noise import density, drift_of, rmse_of, with_usual_drift
 from .shape_search import search_shapes
 from .sliding import sliding_rms, surely_slides
 from .torque_columns import EffectUse, effect_slices, parameter_count
@@ -102,10 +102,11 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
                           surely_slides(system.velocity, system.z, system.doubt)
                           & system.tells, system.dt, system.owner)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
-    drift = drift_of(unjudged, system, left_out.residual, weights)
-    residuals = Residuals(rmse_of(unjudged, system, left_out.residual), intensity, drift, sliding,
-                          share_left_out(system, held_out(system, mean, covariance, stated),
-                                         stated, drift))
+    drift = drift_of(system, left_out.residual, weights)
+    # What no recording shows is no part of what loads found in them suffer from.
+    share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
+    residuals = Residuals(rmse_of(unjudged, system, left_out.residual), intensity,
+                          with_usual_drift(unjudged, system, drift), sliding, share)
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.mark for e in evidence),

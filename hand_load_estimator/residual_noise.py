@@ -54,33 +54,9 @@ def rmse_of(model, system, residual):
     return np.maximum(np.maximum(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
 
 
-def drift_of(model, system, residual, weights):
+def drift_of(system, residual, weights):
     """
     Return the std (n, 3) between recordings of offset, Coulomb level and viscous coefficient.
-
-    model: a TorqueModel identified from the System. Few recordings show little of how friction
-    differs from day to day: where no temperature tells it, USUAL_DRIFT counts as one of them.
-    """
-    seen, recordings = _drift_seen(system, residual, weights), len(np.unique(system.recording))
-    usual = USUAL_DRIFT * _friction(model)
-    mixed = np.sqrt(((recordings - 1) * seen ** 2 + usual ** 2) / recordings)
-    told = {use.joint for use in model.uses if use.name in WARMED}
-    return np.where(np.isin(np.arange(len(seen)), list(told))[:, None], seen, mixed)
-
-
-def _friction(model):
-    """Return offset, Coulomb level and viscous coefficient (n, 3) of a TorqueModel; no offset."""
-    out = np.zeros((model.robot.n, 3))
-    out[:, 1] = model.friction_level()
-    for use, where in model.slices():
-        if use.name == 'viscous_friction':
-            out[use.joint, 2] = model.mean[where.start]
-    return out
-
-
-def _drift_seen(system, residual, weights):
-    """
-    Return what of the drift (n, 3) a System's recordings show.
 
     Each recording's residual is fitted by the three; the spread over recordings, less what its
     own noise explains, is what changes from day to day. Recordings are halved, so that one alone
@@ -111,4 +87,28 @@ def _drift_seen(system, residual, weights):
             total = precision.sum(axis=0)
             excess = ((np.square(fits) * precision).sum(axis=0) - len(fits)) / total
             out[j] = np.sqrt(np.maximum(excess, 0.25 * len(fits) / total))
+    return out
+
+
+def with_usual_drift(model, system, drift):
+    """
+    Return the drift (n, 3) that a model is to state of which a System shows so much.
+
+    model: a TorqueModel identified from the System. Few recordings show little of how friction
+    differs from day to day: where no temperature tells it, USUAL_DRIFT counts as one of them.
+    """
+    recordings = len(np.unique(system.recording))
+    usual = USUAL_DRIFT * _friction(model)
+    mixed = np.sqrt(((recordings - 1) * drift ** 2 + usual ** 2) / recordings)
+    told = [use.joint for use in model.uses if use.name in WARMED]
+    return np.where(np.isin(np.arange(model.robot.n), told)[:, None], drift, mixed)
+
+
+def _friction(model):
+    """Return offset, Coulomb level and viscous coefficient (n, 3) of a TorqueModel; no offset."""
+    out = np.zeros((model.robot.n, 3))
+    out[:, 1] = model.friction_level()
+    for use, where in model.slices():
+        if use.name == 'viscous_friction':
+            out[use.joint, 2] = model.mean[where.start]
     return out

@@ -9,7 +9,7 @@ from ..identification import prior
 from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
 from ..regression_system import held_out, System
-from ..residual_noise import density, drift_of, rmse_of
+from ..residual_noise import density, drift_of, rmse_of, with_usual_drift
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
@@ -185,13 +185,14 @@ def _identified(model, declared, before, evidence, own):
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     rmse, drift = rmse_of(unjudged, system, left_out.residual), residuals.drift
     if own:
-        drift = drift_of(unjudged, system, left_out.residual, weights)
+        drift = drift_of(system, left_out.residual, weights)
     else:
         rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
     stated = system.weights(intensity, friction)
-    found = Residuals(rmse, intensity, drift,
-                      load_share=share_left_out(system, held_out(system, mean, covariance, stated),
-                                                stated, drift))
+    share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
+    if own:
+        drift = with_usual_drift(unjudged, system, drift)
+    found = Residuals(rmse, intensity, drift, load_share=share)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
