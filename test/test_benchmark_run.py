@@ -116,6 +116,23 @@ def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal(monkeypatch):
     np.testing.assert_array_equal(models['nominal'].mean, four_axes().nominal_links)
 
 
+def test_where_temperatures_are_not_told_nobody_sees_them(monkeypatch):
+    monkeypatch.setattr(cases, 'DURATION', 1.0)
+    robot, plant = four_axes(), seeds.DEVELOPMENT_PLANTS[93]
+    models = plant_models(robot, plant, recorded=(('pick_place', 25.0, 8.0),), told=False)
+    assert models['ours'].temperatures is None and len(models['ours'].recordings) == 1
+    assert not any('temperature' in use.name for use in models['ours'].uses)
+    seen, update = [], measure.RegressorClock.update
+    monkeypatch.setattr(measure.RegressorClock, 'update',
+                        lambda clock, sample: seen.append(sample) or update(clock, sample))
+    case = cases.Case(plant, 1, LoadParameters(), 20.0, 1.0)
+    for told in (False, True):
+        seen.clear()
+        run_case(robot, case, models, None, ('bayes',), told=told)
+        assert len(seen) > 10
+        assert all(np.isfinite(sample.temperature).all() == told for sample in seen)
+
+
 def test_run_case_of_an_arm_that_hardly_moves_is_incomplete(monkeypatch):
     monkeypatch.setattr(cases, 'DURATION', 0.5)
     robot = four_axes()

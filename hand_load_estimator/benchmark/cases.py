@@ -1,6 +1,6 @@
 """What is measured: plants, their recordings for identification, and cases with unknown loads."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -94,13 +94,24 @@ def simulated(robot, motion, **arguments):
     return list(stream_samples(robot, motion_events(robot, motion, **arguments)))
 
 
-def identification_evidence(robot, plant, load=LoadParameters()):
-    """Return the Evidence of a plant's recordings with a known load, none by default."""
+def untold(sample):
+    """Return a MotionSample of joints without sensors of temperature."""
+    return replace(sample, temperature=np.full_like(sample.temperature, np.nan))
+
+
+def identification_evidence(robot, plant, load=LoadParameters(), recorded=None, told=True):
+    """
+    Return the Evidence of a plant's recordings with a known load, none by default.
+
+    recorded: (motion, temperature [degC], seconds) of each, IDENTIFICATION unless given; told:
+    whether temperatures are.
+    """
     out = []
-    for k, (name, temperature, seconds) in enumerate(IDENTIFICATION):
+    for k, (name, temperature, seconds) in enumerate(recorded or IDENTIFICATION):
         motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
         samples = simulated(robot, motion, seed=plant, run=k + 1,
                             start_temperature=temperature, load=load)
+        samples = samples if told else [untold(sample) for sample in samples]
         label = f'plant {plant}, {name} at {temperature:g} degC'
         out.append(prepare(robot, label, Motion.of(samples), load))
     return out

@@ -1,6 +1,5 @@
 """Who takes part: our methods by name, rivals that run sample by sample; what each costs."""
 
-from dataclasses import replace
 import time
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
 from ..learning.difference_artefact import PREDICTORS
 from ..model_follower import ModelFollower
 from ..shared_files import share_folder
+from .cases import untold
 from .rivals import FixedLoad, LeastSquares
 
 # The default without what it learned: the recursive Bayesian update alone.
@@ -70,7 +70,7 @@ class Contestant:
         """Take one MotionSample; return the Belief."""
         began = time.thread_time()
         if self._blind:
-            sample = replace(sample, temperature=np.full_like(sample.temperature, np.nan))
+            sample = untold(sample)
         prediction = self._follower.update(sample) if self._follower else None
         belief = self.method.update(sample, prediction)
         if self._follower:

@@ -15,7 +15,7 @@ from ..load import LoadParameters
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
-from .cases import identification_evidence
+from .cases import identification_evidence, untold
 from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, KNOWN_LOAD,
                           REGRESSOR, RegressorClock)
 from .friction_start import case_run_and_start
@@ -29,22 +29,24 @@ MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 RATE = 500.0                              # [Hz] of the simulated joint states
 
 
-def plant_models(robot, plant, functions=(), folder=None):
+def plant_models(robot, plant, functions=(), folder=None, recorded=None, told=True):
     """
     Return the models of one plant: ours, the textbook one, the nominal one.
+
+    recorded, told: as of identification_evidence.
 
     functions: names of PREDICTORS that learn, each into a folder of its own below `folder`, what
     ours leaves without load, and KNOWN_LOAD for what it leaves with half of the rated load;
     {function: folder} is the entry `difference`.
     """
-    evidence = identification_evidence(robot, plant)
+    evidence = identification_evidence(robot, plant, recorded=recorded, told=told)
     noise = Plant(robot, seed=plant).noise
     models = {'ours': identify(robot, evidence),
               'textbook': identify(robot, evidence, COULOMB_VISCOUS),
               'nominal': nominal_model(robot, noise ** 2 / RATE)}
     for function in functions:
         held = evidence if function != KNOWN_LOAD else identification_evidence(
-            robot, plant, _half(robot.rated_load))
+            robot, plant, _half(robot.rated_load), recorded, told)
         learn_difference(Path(folder) / function, models['ours'], held,
                          'gp' if function == KNOWN_LOAD else function)
     if functions:
@@ -58,23 +60,25 @@ def _half(load):
 
 # Suites share plants: one process often meets the same plant again.
 @lru_cache(maxsize=2)
-def robot_and_models(robot_path, plant, functions):
+def robot_and_models(robot_path, plant, functions, recorded=None, told=True):
     """Return the Robot of a file and the plant_models of one plant seed."""
     robot = load_robot(robot_path)
     folder = tempfile.mkdtemp(prefix='hand_load_')
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return robot, plant_models(robot, plant, functions, folder)
+    return robot, plant_models(robot, plant, functions, folder, recorded, told)
 
 
-def run_case(robot, case, models, learned=None, methods=None, rivals=()):
+def run_case(robot, case, models, learned=None, methods=None, rivals=(), told=True):
     """
     Return the plain result of one case: errors and stds of every method at every time.
 
-    methods: names of ours (None: all); rivals: names of offline ones.
+    methods: names of ours (None: all); rivals: names of offline ones; told: whether temperatures
+    are known.
     """
     run, friction = case_run_and_start(robot, case)
     added = added_torque(robot, case) if case.hidden else None
-    samples, start = run.samples, run.start
+    samples = run.samples if told else [untold(sample) for sample in run.samples]
+    start = run.start
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE, friction.std)
     racing = contestants(robot, models, chosen_methods(methods), learned)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}
@@ -119,7 +123,9 @@ def measure_plant(suite, robot_path, plant, case_seeds, learned, methods, rivals
 
     Offline rivals take part in the plant's first case only: they are slow and do not learn.
     """
-    robot, models = robot_and_models(robot_path, plant, functions_of(methods))
-    return [run_case(robot, SUITES[suite].draw(robot, plant, seed), models, learned, methods,
-                     rivals if k == 0 else ())
+    own = SUITES[suite]
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods), own.recorded,
+                                     own.told)
+    return [run_case(robot, own.draw(robot, plant, seed), models, learned, methods,
+                     rivals if k == 0 else (), own.told)
             for k, seed in enumerate(case_seeds)]

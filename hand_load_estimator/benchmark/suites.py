@@ -30,7 +30,8 @@ class Suite:
     One accuracy suite.
 
     about: a sentence for the page; draw(robot, plant, seed) -> Case; count: cases unless told;
-    plants: of that count; plant_seeds, case_seeds: ranges.
+    plants: of that count; plant_seeds, case_seeds: ranges; recorded, told: as of
+    identification_evidence, told of the cases too.
     """
 
     about: str
@@ -39,6 +40,8 @@ class Suite:
     plants: int = 10
     plant_seeds: range = seeds.BENCHMARK_PLANTS
     case_seeds: range = seeds.BENCHMARK_CASES
+    recorded: tuple | None = None
+    told: bool = True
 
 
 def draw_wide_case(robot, plant, seed):
@@ -79,6 +82,9 @@ SUITES = {
     'warm': Suite('started at 40 to 50 degC', partial(draw_case, temperatures=(40.0, 50.0))),
     'slow': Suite('30 to 45 % of the quickest', partial(draw_case, speeds=(0.3, 0.45))),
     'fast': Suite('85 to 100 % of the quickest', partial(draw_case, speeds=(0.85, 1.0))),
+    'sparse': Suite('identified from one recording, 20 s of pick and place; no temperature is '
+                    'known, neither then nor of the cases', draw_case,
+                    recorded=(('pick_place', 25.0, 20.0),), told=False),
     'inertia': Suite('loads of 6 to 10 kg, 0.3 to 0.4 m across, wrists swinging above 10 rad/s^2',
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
