@@ -84,10 +84,11 @@ def test_cases_that_moved_too_briefly_are_counted_and_not_scored():
 def test_the_page_shows_what_was_measured():
     results = [result(k, k, off=0.25) for k in range(3)]
     scores = score(results, 12.5)
-    content = {'scores': scores, 'overview': overview(results), 'failed': 2,
-               'fell_back': ['gru']}
+    content = {'identified': 'one 20 s recording', 'scores': scores,
+               'overview': overview(results), 'failed': 2, 'fell_back': ['gru']}
     page = to_markdown(suite_blocks('Accuracy', 'all sorts', content, verdicts(scores),
                                     'hand_load benchmark', 'abc1234'))
+    assert 'identified from one 20 s recording without load' in page
     assert '3 of 3 cases from 3 plants' in page and 'abc1234' in page and 'all sorts' in page
     assert '2 plants could not be measured' in page and '`gru` would run as `bayes`' in page
     assert '| lstm | 250 |' in page
@@ -96,7 +97,8 @@ def test_the_page_shows_what_was_measured():
 def test_the_page_shows_both_bounds_and_what_is_over_them():
     results = [result(k, k, off=0.25, bound=0.1) for k in range(3)]
     page = to_markdown(suite_blocks('Accuracy', '', {
-        'scores': score(results, 12.5), 'overview': overview(results)}, (), '', ''))
+        'identified': '', 'scores': score(results, 12.5),
+        'overview': overview(results)}, (), '', ''))
     rows = {row.split(' | ')[0]: row.split(' | ')[1:] for row in page.splitlines()}
     which = ", friction's start unknown"
     assert rows['| Cramer-Rao bound'][:2] == ['100.0', '100.0']
@@ -117,8 +119,9 @@ def test_the_page_tells_every_methods_coverage_in_a_row():
         found['methods'] = {name: [[(np.array(mean) + off).tolist(), std] for mean, std in rows]
                             for name, off in (('lstm', 0.0), ('gru', away), ('rival', away))}
         found['seconds_per_sample'] = dict.fromkeys(found['methods'], 1e-3)
-    page = to_markdown(suite_blocks('Accuracy', '', {'scores': score(results, 12.5),
-                                                     'overview': overview(results)}, (), '', ''))
+    page = to_markdown(suite_blocks('Accuracy', '', {
+        'identified': '', 'scores': score(results, 12.5),
+        'overview': overview(results)}, (), '', ''))
     first = MESSAGE_ORDER[0]
     assert f'| lstm | 100.0 | 100.0 ({first}) | 100.0 ({first}) |' in page
     assert f'| gru | 95.0 | 50.0 ({first}) | 100.0 (' in page

@@ -6,7 +6,8 @@ import pytest
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import arms, suites
-from hand_load_estimator.benchmark.suites import cases_of, SUITES, UNDECLARED
+from hand_load_estimator.benchmark.suites import (cases_of, recorded_words, SUITES,
+                                                  UNDECLARED)
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.plant.hidden import EFFECTS
@@ -171,3 +172,8 @@ def test_arms_need_their_package(monkeypatch):
     monkeypatch.setattr(arms, 'PACKAGE', 'no-such-package')
     with pytest.raises(ConfigurationError, match='arms needs the package'):
         arms.urdf_of(arms.ARMS['ur5'])
+
+
+def test_the_recordings_of_a_suites_models_are_told():
+    assert recorded_words(SUITES['base']) == '4 recordings of 160 s in all'
+    assert recorded_words(SUITES['sparse']) == 'one 20 s recording'

@@ -177,7 +177,7 @@ def suite_blocks(title, about, content, verdict_rows, command, commit):
         Heading(title, 1),
         Text(f'{counts["scored"]} of {counts["cases"]} cases from {counts["plants"]} plants that '
              'training never saw. Every plant has its own model, '
-             'identified from four 40 s recordings without load. '
+             f'identified from {content["identified"]} without load. '
              f'False load changes: {counts["false_load_changes"]} cases.'
              + (f' Cases: {about}.' if about else '')
              + (f' **{content["failed"]} plants could not be measured.**'

@@ -34,7 +34,7 @@ from .retraining import measure_retraining, retraining_jobs, retraining_scores
 from .scores import (complete, inertia_scores, network_shares, offline_scores, overview, score,
                      verdicts)
 from .soak import run_soak
-from .suites import cases_of, SUITES
+from .suites import cases_of, recorded_words, SUITES
 
 SCHEMA = 'hand_load/benchmark/1'
 # Suites that are no accuracy suite on one simulated arm.
@@ -133,7 +133,8 @@ def _accuracy(name, robot_path, options, raw, write):
     robot = load_robot(robot_path)
     scores = score(results, robot.rated_load.mass)
     hidden = name == 'undeclared'
-    content = {'overview': overview(results), 'scores': scores,
+    content = {'identified': recorded_words(suite),
+               'overview': overview(results), 'scores': scores,
                'inertia': inertia_scores(results) if name == 'inertia' else {},
                'hidden': hidden_scores(results, leading(scores)) if hidden else {},
                'oracle': oracle_scores(results, leading(scores)) if hidden else {},

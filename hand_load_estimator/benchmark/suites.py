@@ -8,7 +8,7 @@ import numpy as np
 from .. import seeds
 from ..errors import ConfigurationError
 from ..plant.hidden import EFFECTS
-from .cases import Case, draw_case, draw_load
+from .cases import Case, draw_case, draw_load, IDENTIFICATION
 from .effect_cases import EffectCase, Hidden, LOAD_CHANGE, place, SINGLE
 from .wrist_swing import WRIST_SWING
 
@@ -71,6 +71,14 @@ def draw_undeclared_case(robot, plant, seed):
         return Case(plant, seed, case.load, case.temperature, case.speed, hidden=tuple(entries))
     raise ConfigurationError(f'plant {plant}', 'can have no effect so strong on any joint',
                              UNDECLARED_STRENGTH)
+
+
+def recorded_words(suite):
+    """Return in words which recordings a Suite's models are identified from."""
+    seconds = [length for _, _, length in suite.recorded or IDENTIFICATION]
+    if len(seconds) == 1:
+        return f'one {seconds[0]:g} s recording'
+    return f'{len(seconds)} recordings of {sum(seconds):g} s in all'
 
 
 SUITES = {
