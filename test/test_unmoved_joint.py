@@ -54,7 +54,7 @@ def model(evidence):
 
 
 def told_of(model, stream):
-    """Return the estimates of a stream that a fresh pipeline makes, and how often it saw a change."""
+    """Return a fresh pipeline's estimates of a stream, and how many changes it saw."""
     pipeline = warm(pipeline_of(model))
     return feed(pipeline, stream), pipeline.load_id
 

@@ -1,4 +1,4 @@
-"""How friction differs from day to day is not seen in one recording: without temperatures it counts."""
+"""How friction differs from day to day one recording does not show: a usual spread counts."""
 
 from core_helpers import exact_model, four_axes, messages, recording_of
 import numpy as np
