@@ -14,9 +14,9 @@ from .errors import ConfigurationError, RecordingError
 from .knee_fit import with_knees_fitted
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
-from .residual_noise import density, drift_of, rmse_of, with_usual_drift
+from .residual_noise import density, drift_of, known_joints, rmse_of, with_usual_drift
 from .shape_search import search_shapes
-from .sliding import sliding_rms, surely_slides
+from .sliding import moved_joints, sliding_rms, surely_slides
 from .torque_columns import EffectUse, effect_slices, parameter_count
 from .torque_model import Residuals, TorqueModel
 
@@ -91,7 +91,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         weights = system.weights(intensity, friction)
         x, posterior = system.solve(mean, covariance, weights)
         intensity = density(system.residual(x), weights, system.owner, system.dt)
-        friction = TorqueModel(robot, uses, links_declared, x, posterior, None).friction_level()
+        friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
     uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
     left_out = held_out(system, mean, covariance, weights)
@@ -105,8 +105,9 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     drift = drift_of(system, left_out.residual, weights)
     # What no recording shows is no part of what loads found in them suffer from.
     share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
-    residuals = Residuals(rmse_of(unjudged, system, left_out.residual), intensity,
-                          with_usual_drift(unjudged, system, drift), sliding, share)
+    moved, told = moved_joints(evidence), known_joints(evidence)
+    residuals = Residuals(rmse_of(unjudged, system, left_out.residual, moved), intensity,
+                          with_usual_drift(unjudged, system, drift, told), sliding, share, ~moved)
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(e.mark for e in evidence),

@@ -1,5 +1,5 @@
 """
-Does what was identified make sense, or was a joint of the recordings told wrongly, or not moved?
+Does what was identified make sense, or was a joint of the recordings told wrongly?
 
 A fit finds something for every input. Friction that drives a joint, and links that leave most of
 a joint's torque unexplained, are no arm's.
@@ -26,9 +26,6 @@ def nonsense(model, evidence):
     out = []
     for j, name in enumerate(model.robot.joints):
         if tells[:, j].sum() < FEWEST:
-            out.append(f'{name}: no recording moved it, so its friction is not known and what it '
-                       'holds while it stands tells nothing of a load; record a motion of all '
-                       'joints (hand_load excite)')
             continue
         own = torque[tells[:, j], j].std()
         speed = np.quantile(np.abs(v[tells[:, j], j]), FAST)

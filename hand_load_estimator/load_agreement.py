@@ -82,8 +82,8 @@ def share_left_out(system, left_out, weights, drift):
     """
     Return the share of the stated variances at which loads found in a LeftOut err as stated.
 
-    system: the System it was found with; weights (N, n) of its rows, drift (n, 3) as the model
-    will state them. The largest over lengths of windows, and a standard error more, is the safe
+    system: the System it was found with; weights (N, n) of its rows, drift (n, 3) as the
+    recordings show it. The largest over lengths of windows, and a standard error more, is the safe
     one.
     """
     roots = {part: _root(covariance) for part, covariance in left_out.covariances.items()}

@@ -86,7 +86,7 @@ def model_content(model):
         'robot': robot.file.content,
         'links_identified': model.links_declared,
         'effects': effects,
-        'residual': _residual_content(model.residuals),
+        'residual': _residual_content(model.residuals, robot.joints),
         'recordings': [_mark_content(mark) for mark in model.recordings],
         'diagnosed': model.diagnosed,
         'temperatures': [float(t) for t in model.temperatures] if model.temperatures else None,
@@ -98,11 +98,13 @@ def _mark_content(mark):
     return {'name': mark.name, 'content': mark.content} if mark.content else mark.name
 
 
-def _residual_content(residuals):
+def _residual_content(residuals, joints):
     content = {'torque_noise': [_number(v, 4) for v in residuals.rmse],
                'low_frequency_density': [_number(v, 4) for v in residuals.intensity],
                'load_share': _number(residuals.load_share, 4),
                'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]}
+    if residuals.unmoved is not None and residuals.unmoved.any():
+        content['unmoved_joints'] = [name for name, still in zip(joints, residuals.unmoved) if still]
     if residuals.sliding is not None:
         content['sliding_residual'] = [_number(v, 4) if np.isfinite(v) else None
                                        for v in residuals.sliding]
@@ -112,9 +114,10 @@ def _residual_content(residuals):
 _HEADER = """\
 # Torque model of hand_load_estimator: tau = rigid body + effects, with what is known of each.
 # links: products in pinocchio's order about each joint's frame [kg, kg m, kg m^2].
-# residual: torque_noise [Nm] (held-out RMS), low_frequency_density [Nm^2 s],
+# residual: torque_noise [Nm] (held-out RMS while sliding; of unmoved_joints what may be left of
+#   their friction), low_frequency_density [Nm^2 s],
 #   load_share: of all variances stated here, the part an estimate of the load suffers from,
-#   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient between recordings,
+#   drift_std [Nm, Nm, Nm s/rad] of offset, Coulomb level, viscous coefficient from day to day,
 #   sliding_residual [Nm] (RMS of means over 0.2 s while sliding, null: not known) when diagnosed.
 # recordings: content is a digest of the joint states, by which a recording is known again.
 # correlations: lower triangle without the diagonal, links first, then effects as listed.
@@ -152,7 +155,7 @@ def read_model(path):
                           _read_drift(residual, robot.n),
                           _read_sliding(residual, robot.n),
                           residual.number('load_share', 1e-3) if residual.has('load_share')
-                          else 1.0)
+                          else 1.0, _read_unmoved(residual, robot.joints))
     residual.refuse_unknown()
     temperatures = (tuple(section.vector('temperatures', 2))
                     if section.has('temperatures') else None)
@@ -200,6 +203,15 @@ def _read_sliding(section, n):
             v is None or isinstance(v, (int, float)) and 0.0 <= v < np.inf for v in values):
         section.fail('sliding_residual', 'is not usable', values, f'{n} numbers >= 0 or null')
     return np.array([np.nan if v is None else v for v in values])
+
+
+def _read_unmoved(section, joints):
+    """Return which joints (n,) no recording moved; files from before it was kept name none."""
+    allowed = f'a list of some of {", ".join(joints)}'
+    names = section.get('unmoved_joints', allowed) if section.has('unmoved_joints') else []
+    if not isinstance(names, list) or any(name not in joints for name in names):
+        section.fail('unmoved_joints', 'is not usable', names, allowed)
+    return np.isin(joints, names)
 
 
 def _read_drift(section, n):

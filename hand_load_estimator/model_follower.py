@@ -61,6 +61,8 @@ class ModelFollower:
         self._shown = ShownStream() if any(
             np.isfinite(use.shape.get('travel', np.inf)) for use in model.uses) else None
         self._friction = model.held_friction()
+        # Whatever varies there is noise, at rest too.
+        self._frictionless = self._friction == 0.0
         self._gear_friction = np.zeros(model.robot.n)
         for use, where in model.slices():
             if use.name == 'load_dependent_friction':
@@ -171,7 +173,8 @@ class ModelFollower:
         stated = density = self.model.residuals.load_intensity
         if self._noise is not None:
             density = np.maximum(density, self._noise.update(
-                difference, sample.dt, sample.messages, surely_slides(sample.v, z, doubt)))
+                difference, sample.dt, sample.messages,
+                self._frictionless | surely_slides(sample.v, z, doubt)))
         noise = (density - stated) / sample.dt
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from .sliding import FEWEST_SECONDS
 from .torque_model import WARMED
 
 # Lengths [s] of the block means from which the residual's density is read.
@@ -41,17 +40,18 @@ def density(residual, weights, owner, dt):
     return best
 
 
-def rmse_of(model, system, residual):
+def rmse_of(model, system, residual, moved):
     """
     Return the RMS (n,) [Nm] of a residual (N, n) of a System while joints surely slide.
 
-    A joint that hardly did shows no residual; it leaves as much as a TorqueModel identified from
-    the System does not know of its friction.
+    Joints that are not among `moved` (n,) show how they stand only; they may leave as much more
+    as a TorqueModel identified from the System does not know of their friction.
     """
-    moving = (system.doubt < 0.1) & (np.abs(system.z) > 0.9) & system.tells
-    rmse = np.sqrt((moving * residual ** 2).sum(axis=0) / np.maximum(moving.sum(axis=0), 1))
-    unknown = np.where(system.dt @ moving < FEWEST_SECONDS, model.friction_doubt(), 0.0)
-    return np.maximum(np.maximum(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
+    slides = (system.doubt < 0.1) & (np.abs(system.z) > 0.9)
+    shown = np.where(moved, slides, True) & system.tells
+    rmse = np.sqrt((shown * residual ** 2).sum(axis=0) / np.maximum(shown.sum(axis=0), 1))
+    unknown = np.where(moved, 0.0, model.friction_doubt())
+    return np.maximum(np.hypot(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
 
 
 def drift_of(system, residual, weights):
@@ -90,25 +90,24 @@ def drift_of(system, residual, weights):
     return out
 
 
-def with_usual_drift(model, system, drift):
+def known_joints(evidence):
+    """Tell of which joints (n,) a list of Evidence knows the temperature most of the time."""
+    return np.isfinite(np.concatenate([e.motion.temperature for e in evidence])).mean(axis=0) > 0.5
+
+
+def with_usual_drift(model, system, drift, told):
     """
     Return the drift (n, 3) that a model is to state of which a System shows so much.
 
-    model: a TorqueModel identified from the System. Few recordings show little of how friction
-    differs from day to day: where no temperature tells it, USUAL_DRIFT counts as one of them.
+    model: a TorqueModel identified from the System; told (n,): joints whose temperature is known.
+    Few recordings show little of how friction differs from day to day: where neither temperature
+    nor an effect of it tells that, USUAL_DRIFT counts as one of them. None states less than seen.
     """
     recordings = len(np.unique(system.recording))
-    usual = USUAL_DRIFT * _friction(model)
-    mixed = np.sqrt(((recordings - 1) * drift ** 2 + usual ** 2) / recordings)
-    told = [use.joint for use in model.uses if use.name in WARMED]
-    return np.where(np.isin(np.arange(model.robot.n), told)[:, None], drift, mixed)
-
-
-def _friction(model):
-    """Return offset, Coulomb level and viscous coefficient (n, 3) of a TorqueModel; no offset."""
-    out = np.zeros((model.robot.n, 3))
-    out[:, 1] = model.friction_level()
-    for use, where in model.slices():
-        if use.name == 'viscous_friction':
-            out[use.joint, 2] = model.mean[where.start]
-    return out
+    figures = np.stack([np.zeros(model.robot.n), model.friction_level(),
+                        model.viscous_friction()], axis=1)
+    mixed = np.sqrt(((recordings - 1) * drift ** 2 + (USUAL_DRIFT * figures) ** 2) / recordings)
+    for use in model.uses:
+        if use.name in WARMED and told[use.joint]:
+            mixed[use.joint, WARMED[use.name]] = 0.0
+    return np.maximum(drift, mixed)

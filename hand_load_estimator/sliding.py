@@ -7,13 +7,19 @@ SLIDING_SPEED, TURNED, DOUBT = 0.03, 0.98, 0.05
 # Length of a block, one of those the density was read from, and the least of it that counts
 # [s of motion]. Longer ones lose ripple, and friction where a joint turns around.
 BLOCK, LEAST = 0.2, 0.1
-# With less motion than this [s] a joint's residual is not known.
+# With less motion than this [s] a joint's residual and friction are not known.
 FEWEST_SECONDS = 2.0
 
 
 def surely_slides(v, z, doubt):
     """Tell where joints slide; v [rad/s], friction state z and its doubt, of any shape."""
     return (np.abs(v) > SLIDING_SPEED) & (doubt < DOUBT) & (np.abs(z) > TURNED)
+
+
+def moved_joints(evidence):
+    """Tell which joints (n,) a list of Evidence shows in motion for FEWEST_SECONDS."""
+    return sum(e.motion.dt @ (e.tells & (np.abs(e.motion.v) > SLIDING_SPEED))
+               for e in evidence) >= FEWEST_SECONDS
 
 
 def sliding_rms(residual, sliding, dt, owner):

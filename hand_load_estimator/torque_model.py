@@ -19,8 +19,6 @@ from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, 
 DRIFTS = 3
 # Without a sensor a joint is anywhere between cold and warm [K, one standard deviation].
 UNKNOWN_WARMTH = 12.0
-# Effects that make the level of friction.
-LEVELS = ('coulomb_friction', 'stribeck_friction')
 # Effects of temperature, and which of a joint's drifts an unknown temperature looks like.
 WARMED = {'temperature_dependent_coulomb_friction': 1,
           'temperature_dependent_viscous_friction': 2}
@@ -31,14 +29,15 @@ class Residuals:
     """
     What the model does not explain, per joint (n,).
 
-    rmse [Nm]: of the filtered torque on held-out data. intensity [Nm^2 s]: spectral density of
+    rmse [Nm]: of the filtered torque on held-out data, while joints slide; of joints that no
+    recording moved as much as may be left of their friction. intensity [Nm^2 s]: spectral density of
     the residual at low frequencies; over t seconds an average of it has variance intensity / t,
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
-    deviation between recordings of offset, Coulomb level and viscous coefficient. sliding [Nm]:
+    deviation from day to day of offset, Coulomb level and viscous coefficient. sliding [Nm]:
     of means over fractions of a second while the joint slides (sliding.py), on data not
     used for the fit, at the last diagnosis; NaN for a joint without motion then, or None.
     load_share: of all variances the model states, what an estimate of the load suffers from
-    (load_agreement.py).
+    (load_agreement.py). unmoved (n,) bool: joints that no recording moved, or None for none.
     """
 
     rmse: np.ndarray
@@ -46,6 +45,7 @@ class Residuals:
     drift: np.ndarray
     sliding: np.ndarray | None = None
     load_share: float = 1.0
+    unmoved: np.ndarray | None = None
 
     @property
     def load_intensity(self):
@@ -94,8 +94,13 @@ class TorqueModel:
 
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""
-        coulomb, stribeck = self._friction(self.mean)
+        coulomb, stribeck = (self._of_joints(name, self.mean) for name in
+                             ('coulomb_friction', 'stribeck_friction'))
         return np.maximum(np.abs(coulomb), np.abs(coulomb + stribeck))
+
+    def friction_doubt(self):
+        """Return the standard deviation (n,) [Nm] of each joint's Coulomb level."""
+        return np.sqrt(self._of_joints('coulomb_friction', np.diag(self.covariance)))
 
     def held_friction(self):
         """
@@ -105,16 +110,16 @@ class TorqueModel:
         """
         return np.hypot(self.friction_level(), self.friction_doubt())
 
-    def friction_doubt(self):
-        """Return the standard deviation (n,) [Nm] of each joint's Coulomb level."""
-        return np.sqrt(self._friction(np.diag(self.covariance))[0])
+    def viscous_friction(self):
+        """Return each joint's viscous coefficient (n,) [Nm s/rad], reference temperature."""
+        return self._of_joints('viscous_friction', self.mean)
 
-    def _friction(self, x):
-        """Return Coulomb's and Stribeck's entries (n,) of the parameters x, zero without any."""
-        out = np.zeros((2, self.robot.n))
+    def _of_joints(self, name, values):
+        """Return an effect's first entries (n,) of values (P,), zero for joints without it."""
+        out = np.zeros(self.robot.n)
         for use, columns in self.slices():
-            if use.name in LEVELS:
-                out[LEVELS.index(use.name), use.joint] = x[columns.start]
+            if use.name == name:
+                out[use.joint] = values[columns.start]
         return out
 
     @cached_property
@@ -153,10 +158,12 @@ def drift_std(model, known):
 
     known (n,) bool: joints whose temperature is measured; the others may be cold or warm.
     """
-    drift = model.residuals.drift.copy()
+    drift, variance = model.residuals.drift.copy(), np.diag(model.covariance)
     for use, columns in model.slices():
         if use.name in WARMED and not known[use.joint]:
-            where, slope = (use.joint, WARMED[use.name]), abs(model.mean[columns.start])
+            k = columns.start
+            slope = np.hypot(model.mean[k], np.sqrt(variance[k]))
+            where = use.joint, WARMED[use.name]
             drift[where] = np.hypot(drift[where], slope * UNKNOWN_WARMTH)
     return drift
 
@@ -209,7 +216,8 @@ def _write_delays(model, x, columns):
     """
     Write what the shares of delays do at single states x into their columns (N, n, P).
 
-    A state by itself has no past: the torque a shift earlier is that of a motion that led to it.
+    A state by itself has no past: the torque a shift earlier is that of a motion that led to it, to
+    first order, without a reversal.
     """
     layout, now = model.layout, model.layout.prompt_torque(columns, model.mean)
     for use, where in model.slices():

@@ -45,7 +45,7 @@ class SampleNoise:
 
     def __init__(self, rmse):
         self._variance = rmse ** 2
-        self._mean, self._count = None, np.full(len(rmse), _ASSUMED)
+        self._mean, self._count = np.zeros(len(rmse)), np.zeros(len(rmse))
         self.restart()
 
     def restart(self):
@@ -58,20 +58,20 @@ class SampleNoise:
         Take a filtered difference (n,) [Nm], its spacing [s] and messages, and which joints slide
         (n,) bool; return the density (n,) [Nm^2 s].
         """
-        if self._mean is None:
-            self._mean = self._variance * dt
         if self._spacing is not None and abs(dt - self._spacing) > _UNEVEN * self._spacing:
             # Differences are what they are taken for at even spacing only.
             self._last = []
         self._spacing = dt
         self._last = [*self._last[-4:], difference]
         self._slid = np.where(slides, self._slid + 1, 0)
+        density = np.where(self._count > 0, self._mean, self._variance * dt)
         told = self._slid >= len(_DIFFERENCES)
         if len(self._last) == len(_DIFFERENCES) and told.any():
             step = round(_PER_OCTAVE * math.log2(max(dt, _SHORTEST) / 0.02))
             gain = difference_gain(step, min(messages, _MOST))
             square = _DIFFERENCES.dot(np.array(self._last)) ** 2 / gain
             self._count = np.minimum(self._count + told, _MEMORY)
-            self._mean = self._mean + told * (np.minimum(square, _CLIP * self._mean)
-                                              - self._mean) / self._count
-        return self._mean
+            share = 1.0 / np.minimum(self._count + _ASSUMED, _MEMORY)
+            moved = density + share * (np.minimum(square, _CLIP * density) - density)
+            self._mean = density = np.where(told, moved, density)
+        return density

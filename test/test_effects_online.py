@@ -19,7 +19,7 @@ from hand_load_estimator.regression_system import System
 from hand_load_estimator.shown_links import shown_links
 from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, motion_input,
                                                 parameter_count, torque_columns)
-from hand_load_estimator.torque_model import drift_std, uncertain_directions
+from hand_load_estimator.torque_model import _write_delays, drift_std, uncertain_directions
 
 LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 # Values of the effects that depend on torques, large enough to be seen in one.
@@ -189,6 +189,23 @@ def test_uncertainties_online_are_those_of_identification(samples):
                                   (np.ones(len(seen)), *(w[:, 1] for w in system.drifting)),
                                   drift[1]):
         np.testing.assert_allclose(column, basis * std, atol=1e-9)
+
+
+def test_what_a_delay_does_to_a_single_state_is_what_it_does_along_a_motion(samples):
+    model = model_with(four_axes(), ('time_delay',), {'time_delay': (0.8,)}, {'shift': 0.02})
+    _, x, _ = along(model, samples)
+    motion = Motion(*(np.array([getattr(s, name) for s in samples])
+                      for name in Motion.__dataclass_fields__))
+    late = (..., model.layout.late)
+    along_it = torque_columns(model.robot, model.layout, x, model.mean, motion.dt)
+    alone = torque_columns(model.robot, model.layout, x, model.mean)
+    assert not alone[late].any()
+    _write_delays(model, x, alone)
+    # Friction that turns within the shift is left out, and so is what the acceleration changes by.
+    steady = (np.abs(x.z) > 0.999).all(axis=1) & (motion.stamp > motion.stamp[0] + 1.0)
+    alone, along_it = alone[steady][late].ravel(), along_it[steady][late].ravel()
+    assert steady.sum() > 100 and np.corrcoef(alone, along_it)[0, 1] > 0.9
+    assert alone @ along_it / (alone @ alone) == pytest.approx(1.0, abs=0.2)
 
 
 def test_doubt_about_friction_comes_late_with_the_torque(samples):

@@ -51,5 +51,4 @@ def test_a_joint_that_never_moves_is_not_judged():
         v = run.motion.v.copy()
         v[:, 0] = 0.0
         return replace(run, motion=replace(run.motion, v=v), torque=run.torque * [-1, 1, 1, 1])
-    told = [text for text in said(still) if text.startswith('j0')]
-    assert len(told) == 1 and 'no recording moved it' in told[0]
+    assert not any(text.startswith('j0') for text in said(still))

@@ -28,7 +28,7 @@ def model():
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
     return TorqueModel(robot, uses, True, mean, root @ root.T, Residuals(
         rng.uniform(0.1, 2.0, 4), rng.uniform(1e-3, 1e-1, 4), rng.uniform(0.0, 0.3, (4, 3)),
-        np.array([0.31, np.nan, 0.12, 0.05]), 0.6),
+        np.array([0.31, np.nan, 0.12, 0.05]), 0.6, np.array([False, True, False, False])),
         (RecordingMark('one'), RecordingMark('two: with a colon', '1234567890123456')),
         (14.5, 51.0), '2026-03-01T14:30:00+01:00')
 
@@ -59,7 +59,7 @@ def test_round_trip(model, tmp_path):
     assert back.uses == model.uses and back.links_declared == model.links_declared
     assert back.recordings == model.recordings and back.temperatures == model.temperatures
     assert back.diagnosed == model.diagnosed
-    for name in ('rmse', 'intensity', 'drift', 'sliding', 'load_share'):
+    for name in ('rmse', 'intensity', 'drift', 'sliding', 'load_share', 'unmoved'):
         np.testing.assert_allclose(getattr(back.residuals, name),
                                    getattr(model.residuals, name), rtol=1e-3)
     np.testing.assert_array_equal(back.robot.nominal_links, model.robot.nominal_links)

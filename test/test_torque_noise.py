@@ -22,7 +22,8 @@ def measured(rate, torque=lambda t: 0.0, seconds=15.0):
         effort = torque(k / rate) + STD * rng.normal(size=1)
         sample = motion.update(k / rate, np.zeros(1), np.zeros(1), effort)
         if sample is not None and not sample.fresh:
-            density = noise.update(sample.effort, sample.dt, sample.messages, np.array([True]))
+            density = noise.update(sample.effort, sample.dt, sample.messages,
+                                   np.array([True]))
     return density[0]
 
 
@@ -60,7 +61,9 @@ def test_a_joint_that_does_not_slide_is_not_asked():
 
 def test_until_it_is_measured_the_residual_is_taken_for_noise():
     noise = SampleNoise(np.array([0.3, 2.0]))
-    np.testing.assert_allclose(noise.update(np.zeros(2), 0.02, 10, np.ones(2, bool)), np.array([0.09, 4.0]) * 0.02)
+    for spacing in (0.02, 0.1):
+        density = noise.update(np.zeros(2), spacing, 10, np.ones(2, bool))
+        np.testing.assert_allclose(density, np.array([0.09, 4.0]) * spacing)
 
 
 def test_messages_that_nearly_coincide_do_no_harm():

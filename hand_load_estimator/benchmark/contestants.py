@@ -111,11 +111,15 @@ def our_contestants(model, names, learned, difference=None):
     return out
 
 
-def contestants(robot, models, names, learned):
-    """Return {name: Contestant}, fresh for one case: ours and the baselines."""
+def contestants(robot, models, names, learned, told=True):
+    """
+    Return {name: Contestant}, fresh for one case: ours and the baselines.
+
+    told: whether there are temperatures that may be withheld from one.
+    """
     ours, textbook, nominal = models['ours'], models['textbook'], models['nominal']
     out = our_contestants(ours, names, learned, models.get('difference'))
-    if DEFAULT in out:
+    if told and DEFAULT in out:
         out[BLIND] = Contestant(
             ours, lambda f: build_method(ours, f.uncertainties, DEFAULT, learned), blind=True)
     return {

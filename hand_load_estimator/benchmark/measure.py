@@ -80,7 +80,7 @@ def run_case(robot, case, models, learned=None, methods=None, rivals=(), told=Tr
     samples = run.samples if told else [untold(sample) for sample in run.samples]
     start = run.start
     bound = Bound(robot, case.load, Plant(robot, seed=case.plant).noise, RATE, friction.std)
-    racing = contestants(robot, models, chosen_methods(methods), learned)
+    racing = contestants(robot, models, chosen_methods(methods), learned, told)
     clock, rows = RegressorClock(robot), {name: [] for name in racing}
     bounds, start_unknown, noted, due = [], [], [], list(TIMES)
 

@@ -65,6 +65,7 @@ def run(args):
     from ..residual.repeats import share_repeated
     from ..robot import load_robot
     from ..shared_files import find_shared
+    from ..unknown_friction import told_of_unknown_friction
     out = output_file(args.out)
     robot = load_robot(find_shared(args.robot, 'robots'))
     evidence = read_evidence(robot, args)
@@ -72,7 +73,7 @@ def run(args):
     model = identify(robot, evidence, effects, progress=_say)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
-    for said in nonsense(model, evidence):
+    for said in filter(None, (*nonsense(model, evidence), told_of_unknown_friction(model))):
         _say(said)
     again = share_repeated(evidence)
     if again > REPEATED:
@@ -109,10 +110,8 @@ def _say(text):
 def _report(model, out):
     print(f'{out}: {model.robot.name}, {len(model.recordings)} recordings')
     print(f'{"joint":24s} {"held-out RMS":>12s} {"Coulomb":>9s} {"viscous":>14s}')
-    viscous = np.zeros(model.robot.n)
-    for use, where in model.slices():
-        if use.name == 'viscous_friction':
-            viscous[use.joint] = model.mean[where.start]
-    for name, rms, level, slope in zip(model.robot.joints, model.noise, model.friction_level(),
-                                       viscous):
-        print(f'{name:24s} {rms:9.3f} Nm {level:6.2f} Nm {slope:7.2f} Nm s/rad')
+    for name, still, rms, level, slope in zip(
+            model.robot.joints, model.residuals.unmoved, model.noise, model.friction_level(),
+            model.viscous_friction()):
+        print(f'{name:24s} ' + ('not moved' if still else
+              f'{rms:9.3f} Nm {level:6.2f} Nm {slope:7.2f} Nm s/rad'))

@@ -43,7 +43,7 @@ def _nothing(diagnosis):
 
 
 def headline(diagnosis):
-    """Return the result in one plain-text sentence: where, what, torque error before, after."""
+    """Return the result in one plain-text sentence: the first of sentences()."""
     return sentences(diagnosis)[0]
 
 
@@ -55,8 +55,10 @@ def sentences(diagnosis):
     """
     findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
     told = [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
-    return [f'Rather another arm, or a model of another time, than so many defects: identify '
-            f'{diagnosis.robot} anew'] * diagnosis.another_state + told
+    if diagnosis.another_state:
+        told.insert(0, 'Rather another arm, or a model of another time, than so many defects: '
+                       f'identify {diagnosis.robot} anew')
+    return told
 
 
 def _sentence(finding, diagnosis):

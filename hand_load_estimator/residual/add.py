@@ -9,7 +9,8 @@ from ..identification import prior
 from ..knee_fit import with_knees_fitted
 from ..load_agreement import share_left_out
 from ..regression_system import held_out, System
-from ..residual_noise import density, drift_of, rmse_of, with_usual_drift
+from ..residual_noise import density, drift_of, known_joints, rmse_of, with_usual_drift
+from ..sliding import moved_joints
 from ..torque_columns import ColumnLayout, effect_slices
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
@@ -19,7 +20,8 @@ from .hypotheses import with_effect
 from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LINK_FACTOR
 from .known_recordings import made_from
 
-# What is known of the arm from before stays known, with standard deviations so much wider.
+# What is known of the arm from before stays known, with standard deviations so much wider; of
+# joints that the recordings do not move, as it was.
 WIDER = 3.0
 # Of the old model's residual density at least this share stays stated.
 SHOWN = 0.5
@@ -66,12 +68,12 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     joints of one delay, whose `shift` stays one; the shares of each are estimated.
     """
     own = made_from(model, evidence)
-    mean, covariance = _prior(model, uses, changed, own)
+    mean, covariance = _prior(model, uses, changed, own, moved_joints(evidence))
     links = _links_declared(model, changed)
     return _identified(model, (uses, links, together), (mean, covariance), evidence, own)
 
 
-def _prior(model, uses, changed, own):
+def _prior(model, uses, changed, own, moved):
     robot = model.robot
     links = _links_declared(model, changed)
     first, wide = prior(robot, uses, links)
@@ -87,7 +89,12 @@ def _prior(model, uses, changed, own):
             before = old[use.name, use.joint]
             places += range(before.start, before.stop)
     mean[rows] = model.mean[places]
-    covariance[np.ix_(rows, rows)] = WIDER ** 2 * model.covariance[np.ix_(places, places)]
+    wider = np.full(len(rows), WIDER)
+    for use, where in new.slices():
+        if not moved[use.joint]:
+            wider[np.isin(rows, np.arange(where.start, where.stop))] = 1.0
+    covariance[np.ix_(rows, rows)] = np.outer(wider, wider) * model.covariance[
+        np.ix_(places, places)]
     mean, covariance = _of_shifts(mean, covariance, robot.n, model.uses, uses)
     wide = np.diag(wide)
     for use, where in new.slices():
@@ -165,7 +172,8 @@ def _identified(model, declared, before, evidence, own):
     # From a share of nothing the first turn would take a delay for something else.
     uses, x = _with_whole_delays(robot.n, asked, together, mean, covariance)
     mean, covariance = _of_shifts(*before, robot.n, asked, uses)
-    intensity, friction = residuals.intensity, model.friction_level()
+    intensity, friction, moved = (residuals.intensity, model.held_friction(),
+                                  moved_joints(evidence))
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for turn in range(TURNS):
         # Only effects that depend on torques change their columns with x.
@@ -174,25 +182,19 @@ def _identified(model, declared, before, evidence, own):
         weights = system.weights(intensity, friction)
         uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
         unjudged = TorqueModel(robot, uses, links, x, posterior, None)
-        friction = unjudged.friction_level()
+        friction = unjudged.held_friction()
         left_out = held_out(system, mean, covariance, weights)
         intensity = density(left_out.residual, weights, system.owner, system.dt)
         if not own:
             # New recordings need not show all that the old ones did.
-            intensity = np.maximum(intensity, SHOWN * residuals.intensity)
+            intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
-    rmse, drift = rmse_of(unjudged, system, left_out.residual), residuals.drift
-    if own:
-        drift = drift_of(system, left_out.residual, weights)
-    else:
-        rmse = np.maximum(rmse, np.sqrt(SHOWN) * residuals.rmse)
+    drift, found = _residuals(unjudged, residuals, (system, left_out, weights), evidence, own)
     stated = system.weights(intensity, friction)
     share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
-    if own:
-        drift = with_usual_drift(unjudged, system, drift)
-    found = Residuals(rmse, intensity, drift, load_share=share)
+    found = replace(found, intensity=intensity, load_share=share)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
@@ -201,3 +203,21 @@ def _identified(model, declared, before, evidence, own):
     return TorqueModel(robot, uses, links, x, posterior, found, marks,
                        (float(min(t[0] for t in temperatures)),
                         float(max(t[1] for t in temperatures))) if temperatures else None)
+
+
+def _residuals(model, old, fit, evidence, own):
+    """
+    Return the drift that recordings show, and Residuals whose density and share are still the old.
+
+    model: as identified by the fit, a System, its LeftOut and weights; old: the model's before.
+    """
+    (system, left_out, weights), moved = fit, moved_joints(evidence)
+    rmse = rmse_of(model, system, left_out.residual, moved)
+    if own:
+        drift, told = drift_of(system, left_out.residual, weights), known_joints(evidence)
+        return drift, replace(old, rmse=rmse, sliding=None, unmoved=~moved,
+                              drift=with_usual_drift(model, system, drift, told))
+    # New recordings need not show all that the old ones did.
+    rmse = np.where(moved, np.maximum(rmse, np.sqrt(SHOWN) * old.rmse), old.rmse)
+    unmoved = None if old.unmoved is None else old.unmoved & ~moved
+    return old.drift, replace(old, rmse=rmse, sliding=None, unmoved=unmoved)
