@@ -104,7 +104,8 @@ def _residual_content(residuals, joints):
                'load_share': _number(residuals.load_share, 4),
                'drift_std': [[_number(v, 4) for v in row] for row in residuals.drift]}
     if residuals.unmoved is not None and residuals.unmoved.any():
-        content['unmoved_joints'] = [name for name, still in zip(joints, residuals.unmoved) if still]
+        content['unmoved_joints'] = [name for name, unmoved in zip(joints, residuals.unmoved)
+                                     if unmoved]
     if residuals.sliding is not None:
         content['sliding_residual'] = [_number(v, 4) if np.isfinite(v) else None
                                        for v in residuals.sliding]

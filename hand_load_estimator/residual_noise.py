@@ -100,8 +100,8 @@ def with_usual_drift(model, system, drift, told):
     Return the drift (n, 3) that a model is to state of which a System shows so much.
 
     model: a TorqueModel identified from the System; told (n,): joints whose temperature is known.
-    Few recordings show little of how friction differs from day to day: where neither temperature
-    nor an effect of it tells that, USUAL_DRIFT counts as one of them. None states less than seen.
+    Few recordings show little of how friction differs from day to day: where no effect of a known
+    temperature tells that, USUAL_DRIFT counts as one of them. Nothing less than seen is stated.
     """
     recordings = len(np.unique(system.recording))
     figures = np.stack([np.zeros(model.robot.n), model.friction_level(),

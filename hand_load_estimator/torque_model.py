@@ -30,7 +30,7 @@ class Residuals:
     What the model does not explain, per joint (n,).
 
     rmse [Nm]: of the filtered torque on held-out data, while joints slide; of joints that no
-    recording moved as much as may be left of their friction. intensity [Nm^2 s]: spectral density of
+    recording moved as much as may be left of friction. intensity [Nm^2 s]: spectral density of
     the residual at low frequencies; over t seconds an average of it has variance intensity / t,
     which is what coloured residuals do to an estimate. drift (n, 3) [Nm, Nm, Nm s/rad]: standard
     deviation from day to day of offset, Coulomb level and viscous coefficient. sliding [Nm]:
@@ -216,8 +216,8 @@ def _write_delays(model, x, columns):
     """
     Write what the shares of delays do at single states x into their columns (N, n, P).
 
-    A state by itself has no past: the torque a shift earlier is that of a motion that led to it, to
-    first order, without a reversal.
+    A state by itself has no past: the torque a shift earlier is that of a motion that led to it,
+    to first order, without a reversal.
     """
     layout, now = model.layout, model.layout.prompt_torque(columns, model.mean)
     for use, where in model.slices():

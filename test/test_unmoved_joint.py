@@ -1,8 +1,8 @@
 """A joint that no recording moved: its friction is not known, and what it holds says nothing."""
 
 import core_helpers
-from core_helpers import (block, exact_model, feed, four_axes, message_noise, messages, pipeline_of,
-                          recording_of, swing, warm)
+from core_helpers import (block, exact_model, feed, four_axes, message_noise, messages,
+                          pipeline_of, recording_of, swing, warm)
 import numpy as np
 import pytest
 

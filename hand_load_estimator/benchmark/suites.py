@@ -90,9 +90,9 @@ SUITES = {
     'warm': Suite('started at 40 to 50 degC', partial(draw_case, temperatures=(40.0, 50.0))),
     'slow': Suite('30 to 45 % of the quickest', partial(draw_case, speeds=(0.3, 0.45))),
     'fast': Suite('85 to 100 % of the quickest', partial(draw_case, speeds=(0.85, 1.0))),
-    'sparse': Suite('any load, temperature, speed and pick-and-place motion; no temperature is known, '
-                    'neither of the cases nor of the recording, pick and place at 25 degC', draw_case,
-                    recorded=(('pick_place', 25.0, 20.0),), told=False),
+    'sparse': Suite('any load, temperature, speed and pick-and-place motion; no temperature is '
+                    'known, neither of the cases nor of the recording, pick and place at 25 degC',
+                    draw_case, recorded=(('pick_place', 25.0, 20.0),), told=False),
     'inertia': Suite('loads of 6 to 10 kg, 0.3 to 0.4 m across, wrists swinging above 10 rad/s^2',
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
