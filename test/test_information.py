@@ -71,7 +71,8 @@ def test_e7_3_the_prior_counts_as_data_of_its_own():
     """Where the problem is linear (mass known) prior and data join as two normals do."""
     rng = np.random.default_rng(2)
     shape = np.array([5.0, 0.02, -0.03, 0.1, 0.006, 1e-3, -8e-4, 0.008, 5e-4, 0.005])
-    prior = LoadPrior(shape, np.array([1e-9, *[0.02] * 3, *[2e-3] * 6]))
+    # Not known better: of a standard deviation of 1e-9 kg, rounding of 5 kg is 1e-6.
+    prior = LoadPrior(shape, np.array([1e-8, *[0.02] * 3, *[2e-3] * 6]))
     truth = shape + prior.std * rng.normal(size=10)
     columns = rows(rng, 6)
     torque = columns @ products_from_shape(truth) + SIGMA * rng.normal(size=columns.shape[:2])
