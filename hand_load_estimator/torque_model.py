@@ -100,7 +100,7 @@ class TorqueModel:
 
     def friction_doubt(self):
         """Return the standard deviation (n,) [Nm] of each joint's Coulomb level."""
-        return np.sqrt(self._of_joints('coulomb_friction', np.diag(self.covariance)))
+        return np.sqrt(self._of_joints('coulomb_friction', self.covariance.diagonal()))
 
     def held_friction(self):
         """
@@ -158,7 +158,7 @@ def drift_std(model, known):
 
     known (n,) bool: joints whose temperature is measured; the others may be cold or warm.
     """
-    drift, variance = model.residuals.drift.copy(), np.diag(model.covariance)
+    drift, variance = model.residuals.drift.copy(), model.covariance.diagonal()
     for use, columns in model.slices():
         if use.name in WARMED and not known[use.joint]:
             k = columns.start
@@ -205,7 +205,8 @@ def uncertain_directions(model, directions, seed):
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     weight = 1.0 / np.sqrt(model.residuals.intensity)
     columns = torque_columns(robot, model.layout, x, model.mean)
-    _write_delays(model, x, columns)
+    if model.layout.late.size:
+        _write_delays(model, x, columns)
     effect = columns @ root
     rows = (effect * weight[None, :, None]).reshape(count * n, -1)
     _, axes = np.linalg.eigh(rows.T @ rows)

@@ -94,9 +94,9 @@ def simulated(robot, motion, **arguments):
     return list(stream_samples(robot, motion_events(robot, motion, **arguments)))
 
 
-def untold(sample):
-    """Return a MotionSample of joints without sensors of temperature."""
-    return replace(sample, temperature=np.full_like(sample.temperature, np.nan))
+def untold(motion):
+    """Return a MotionSample, or a Motion, of joints without sensors of temperature."""
+    return replace(motion, temperature=np.full_like(motion.temperature, np.nan))
 
 
 def identification_evidence(robot, plant, load=LoadParameters(), recorded=None, told=True):

@@ -11,7 +11,7 @@ from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot
 from ..simulate_motions import named_motion
-from .cases import case_run, draw_case, identification_evidence, simulated
+from .cases import case_run, draw_case, identification_evidence, simulated, untold
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
 from .effect_floor import floor_of
@@ -59,12 +59,9 @@ def record(robot, plant, effects=()):
 
 def without_temperatures(recordings):
     """Return Recordings as of an arm without sensors of temperature."""
-    def blind(evidence):
-        motion = evidence.motion
-        unknown = np.full_like(motion.temperature, np.nan)
-        return replace(evidence, motion=replace(motion, temperature=unknown))
-    return replace(recordings, evidence=tuple(map(blind, recordings.evidence)),
-                   test=tuple(map(blind, recordings.test)))
+    evidence, test = (tuple(replace(e, motion=untold(e.motion)) for e in part)
+                      for part in (recordings.evidence, recordings.test))
+    return replace(recordings, evidence=evidence, test=test)
 
 
 def tested_floors(model, plant, effects):

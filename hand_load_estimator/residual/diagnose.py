@@ -66,8 +66,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     seen = known_names(model, evidence if kept else test)
     by_name = known_by_name_only(model, [*evidence, *test])
     left_out = _left_out(evidence, whole, outside) if kept else 0.0
-    told = [*long_loads(evidence, whole, outside.found), *many_rejected(evidence),
-            *clipped_efforts(model.robot, [*evidence, *test])]
+    told = _of_recordings(model.robot, evidence, test, whole, outside)
     left, test = _parts(evidence, whole, outside, test)
     refuse_too_short(left, evidence, whole, outside.found)
     evidence = left
@@ -101,9 +100,14 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
         remains=doubts + between + sentences_on(structure, model.robot.joints),
-        structure=structure,
-        sliding=_sliding(better, test), noise_most=rest_of_test.most,
+        structure=structure, sliding=_sliding(better, test), noise_most=rest_of_test.most,
         another_state=bool(state)), correction), better
+
+
+def _of_recordings(robot, evidence, test, whole, outside):
+    """Return sentences on what recordings are like, and how much of them says nothing."""
+    return [*long_loads(evidence, whole, outside.found), *many_rejected(evidence),
+            *clipped_efforts(robot, [*evidence, *test])]
 
 
 def _models(model, steps, evidence, misled, seen):
