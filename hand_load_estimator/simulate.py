@@ -11,6 +11,7 @@ from .load_file import load_of_argument, placed, write_load_file
 from .plant import JointEvent, read_effects, simulate_motion
 from .recording import JointSample, RecordingWriter, TemperatureSample
 from .robot import load_robot
+from .seeds import SHIPPED_MODEL_PLANT
 from .shared_files import find_shared
 from .simulate_motions import MOTIONS, named_motion
 from .trajectory import read_trajectory_csv, Trajectory
@@ -50,8 +51,10 @@ def add_arguments(parser):
     parser.add_argument('--effects', metavar='E.yaml', help='hidden effects the arm has')
     parser.add_argument('--motion', metavar='NAME|CSV', default='pick_place',
                         help=f'{", ".join(MOTIONS)} or a motion file (default: pick_place)')
-    parser.add_argument('--seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
-                        help='draws the arm and its noise (default: 0)')
+    parser.add_argument('--seed', metavar='N', type=_number(0, 2 ** 31, int),
+                        default=SHIPPED_MODEL_PLANT,
+                        help=f'draws the arm and its noise (default: {SHIPPED_MODEL_PLANT}, the '
+                             'arm of the shipped models)')
     parser.add_argument('--motion-seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
                         help='draws the motion, noise and state of rest (default: 0)')
     parser.add_argument('--duration', metavar='S', type=_number(1.0, 36000.0),

@@ -3,11 +3,16 @@
 from dataclasses import asdict
 
 from hand_load_estimator.cli import main
+from hand_load_estimator.evidence import prepare
+from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.load_file import write_load_file
+from hand_load_estimator.model_file import read_model
 from hand_load_estimator.plant import JointEvent, simulate_motion, TemperatureEvent
 from hand_load_estimator.plant.difficulty import DEFAULT
 from hand_load_estimator.recording import arrays, read_recording
+from hand_load_estimator.residual.diagnose import errors_of
+from hand_load_estimator.shared_files import find_shared
 from hand_load_estimator.simulate_motions import MOTIONS, named_motion
 from hand_load_estimator.trajectory import write_trajectory_csv
 import numpy as np
@@ -125,6 +130,19 @@ def test_events_come_in_order_and_a_load_changes_in_between():
     effort = {round(e.stamp, 3): e.effort[1] for e in events if isinstance(e, JointEvent)}
     assert abs(effort[1.6] - effort[0.9]) > 50.0
     assert abs(effort[2.2] - effort[0.9]) < 30.0
+
+
+def test_the_arm_is_that_of_the_shipped_model_unless_told_otherwise(tmp_path):
+    model = read_model(find_shared('ur10e', 'models'))
+
+    def error(*arguments, out):
+        _, path = simulate(tmp_path, '--duration', '5', *arguments, out=out)
+        recording = read_recording(path)
+        motion, rejected = motion_of(model.robot, recording)
+        evidence = prepare(model.robot, out, motion, recording.load, recording, rejected)
+        return np.sqrt(np.nanmean(errors_of(model, [evidence]) ** 2, axis=0))
+    own, other = error(out='own'), error('--seed', '2', out='other')
+    assert (own < 2.0 * model.noise).all() and (other > 3.0 * own).sum() >= 3
 
 
 def test_the_shown_figures_are_those_of_the_plant():

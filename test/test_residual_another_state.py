@@ -13,9 +13,15 @@ JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
 
 
-def finding(name, *joints, recording=''):
-    return Finding(name, tuple(JOINTS[j] for j in joints), {}, np.zeros(4), EVIDENCE, (), '',
-                   False, CONFIRMED, recording=recording)
+def finding(name, *joints, recording='', parameters=()):
+    return Finding(name, tuple(JOINTS[j] for j in joints), dict(parameters), np.zeros(4), EVIDENCE,
+                   (), '', False, CONFIRMED, recording=recording)
+
+
+def gains(*values, of='gain', name='torque_scale'):
+    """Return a Finding of gains (value, std) of joints 0, 1, ..."""
+    return finding(name, *range(len(values)), parameters={
+        f'{of} ({joint})': (*value, '-') for joint, value in zip(JOINTS, values)})
 
 
 def judged(findings, times):
@@ -34,6 +40,15 @@ def judged(findings, times):
     ([finding('viscous_friction', 0), finding('cable_drag', 1)], 4, True),
     ([finding('time_delay', 0, 1, 2, 3), finding('cable_drag', 1)], 4, True),
     ([finding('base_tilt', 0, 1, 2, 3), finding('cable_drag', 1)], 4, True),
+    # Gains that are not one and the same are each joint's own; they are where nothing tells.
+    ([gains((0.1, 0.01), (-0.05, 0.01), (0.02, 0.01))], 4, False),
+    ([gains((0.1, 0.01), (-0.05, 0.01), (0.02, 0.01), of='change_of_gain')], 4, False),
+    ([gains((0.1, 0.01), (0.08, 0.01), (0.11, 0.01))], 4, True),
+    ([gains((0.1, 0.1), (-0.05, 0.1), (0.02, 0.1))], 4, True),
+    ([gains((1e-3, 1e-4), (-1e-3, 1e-4), (5e-4, 1e-4), of='slope',
+            name='torque_scale_temperature')], 4, False),
+    ([finding('torque_scale', 0, 1, 2)], 4, True),
+    ([finding('torque_scale', 0), finding('time_delay', 1), finding('cable_drag', 2)], 4, False),
     # What swings shakes all joints.
     ([finding('unknown', 0, 1, 2), finding('cable_drag', 1)], 4, True),
     ([finding('external_contact', 0, 1, 2, recording='run')], 4, True)])

@@ -30,6 +30,7 @@ from .mostly_structure import mostly_structure
 from .not_named import sentences_on
 from .odd_recording import odd_recordings
 from .rest import rest_of
+from .spring_beside_cable import further_terms
 from .standing import Standing
 from .standing_diagnosis import diagnose_standing, only_stands
 from .structure import structures
@@ -82,20 +83,20 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
                               (names, whole, outside.found), (before, after))
-    findings, between, state = _beyond_recordings(findings, model, residual, evidence)
+    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
+    unnamed = mostly_structure(model.robot, residual, rest, findings, structure, trace.trials)
+    told_of, state = of_another_state(findings + unnamed, model, residual)
     cannot = [*state, *by_name, *told, *sentences, *slow_joint_states(evidence),
               *still.values(), *_unfinished(trace),
               *repeated(residual.cut, evidence, test),
               *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
-    findings += mostly_structure(model.robot, residual, rest, findings, structure,
-                                 trace.trials)
-    correction = offered(better, findings, evidence,
+    correction = offered(better, told_of, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
-        model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, findings,
+        model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, told_of,
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
@@ -143,9 +144,10 @@ def _found(models, residual, traced, outside, errors):
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     findings, small = small_beside_others(findings)
+    findings, further = further_terms(findings, joints, residual)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + unsure + small + doubts
+    return findings, wrong + kinds + unsure + small + further + doubts
 
 
 def _residual(model, evidence):
@@ -236,13 +238,6 @@ def errors_of(model, evidence):
     """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
     residuals = [find_residual(model, [e], cut=False) for e in evidence]
     return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
-
-
-def _beyond_recordings(findings, model, residual, evidence):
-    """Return Findings that recordings of these temperatures, and of this arm, can confirm; why."""
-    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
-    findings, state = of_another_state(findings, model, residual)
-    return findings, between, state
 
 
 def _unfinished(trace):

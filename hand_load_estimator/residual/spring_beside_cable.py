@@ -1,0 +1,50 @@
+"""
+A spring and a cable found on one joint that never goes round.
+
+Over less than a whole turn a spring's pull is one more smooth function of position, and what a
+cable does is a series of such functions that ends somewhere: one of both may be a further term of
+the other.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .confusable import advice
+from .diagnosis import CONFIRMED, SUSPECTED
+
+_ALIKE = ('cable_drag', 'gravity_spring')
+WHOLE_TURN = 2.0 * np.pi
+
+
+def further_terms(findings, joints, residual):
+    """
+    Return (Findings, sentences): of a spring and a cable on one joint only one is confirmed.
+
+    joints: names (n,); residual: the Residual that was diagnosed, which tells how far each joint
+    went. The one that gains less beside the other is suspected.
+    """
+    said = [_further_term(finding, findings, joints, residual) for finding in findings]
+    return (tuple(replace(f, verdict=SUSPECTED, advice=advice(f.name, _ALIKE)) if why else f
+                  for f, why in zip(findings, said)), tuple(why for why in said if why))
+
+
+def _further_term(finding, findings, joints, residual):
+    """Return in words why a Finding may be a further term of another, or ''."""
+    if finding.verdict != CONFIRMED or finding.name not in _ALIKE:
+        return ''
+    other = next((f for f in findings if f.verdict == CONFIRMED and f.name in _ALIKE
+                  and f.name != finding.name and f.joints == finding.joints
+                  and f.evidence.gain > finding.evidence.gain), None)
+    turned = _turned(residual, joints.index(finding.joints[0]))
+    if other is None or turned >= WHOLE_TURN:
+        return ''
+    return (f'{finding.joints[0]}: {finding.name} is only suspected: the joint went through '
+            f'{turned:.2g} rad, and over less than a whole turn it may be a further term of the '
+            f'{other.name} found there')
+
+
+def _turned(residual, j):
+    """Return how far joint j went [rad] where its torque tells anything."""
+    told = residual.x.q[residual.weights[:, j] > 0.0, j]
+    return float(np.ptp(told)) if len(told) else 0.0
