@@ -6,16 +6,17 @@ from functools import lru_cache
 from core_helpers import block
 import numpy as np
 import pytest
-from residual_helpers import declared_model, noise_of, recorded
+from residual_helpers import cable, declared_model, noise_of, on, recorded
 
 from hand_load_estimator.evidence import recording_numbers
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.contact import contact
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.diagnosis import CONFIRMED
+from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.disturbance import Disturbances, undisturbed
-from hand_load_estimator.residual.disturbance_findings import disturbance_findings
+from hand_load_estimator.residual.disturbance_findings import (disturbance_findings, gone_with,
+                                                                sentences_on_gone)
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.load_change import load_change
 
@@ -166,6 +167,32 @@ def test_a_recording_too_short_to_tell_is_passed_over():
     assert found_in([short, *others])[1] == ()
     _, (finding,) = found_in([short, *pushed(slice(300, 340), run=1)[1:]])
     assert finding.recording == 'run 1'
+
+
+def test_what_a_better_model_explains_is_only_suspected():
+    twice = pushed(slice(500, 530), -FORCE, evidence=pushed(slice(150, 180)))
+    model, names = declared_model(), [e.name for e in twice]
+    found = found_in(twice)[0].found
+    # As a model that explains the first of both would leave it.
+    again = found_in(pushed(slice(500, 530), -FORCE))[0].found
+    gone = gone_with(found, again)
+    assert len(gone) == 1 and gone[0] is found[0] and gone_with(found, found) == ()
+    findings = disturbance_findings(model.robot, names, find_residual(model, twice), found,
+                                    gone=gone)
+    assert [f.verdict for f in findings] == [SUSPECTED, CONFIRMED]
+    assert sentences_on_gone(names, gone) == (
+        'run 0: external_contact at 3.0 s is only suspected: the model written explains the '
+        'torques of that time without it',)
+    # Of an arm that is held there is no evidence to compare.
+    assert gone_with((replace(found[0], evidence=np.nan),), ()) == ()
+
+
+def test_a_push_beside_an_effect_that_is_found_stays_confirmed():
+    evidence = pushed(slice(300, 400), evidence=recorded(on(2, 10.0, cable)))
+    diagnosis, better = diagnose(declared_model(), evidence[:-1], evidence[-1:])
+    assert better is not declared_model()
+    told = {f.name: f.verdict for f in diagnosis.findings}
+    assert told['external_contact'] == told['cable_drag'] == CONFIRMED
 
 
 def test_a_diagnosis_names_them_and_leaves_them_out():

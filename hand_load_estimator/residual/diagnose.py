@@ -16,7 +16,7 @@ from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .disturbance import Disturbances, undisturbed
-from .disturbance_findings import disturbance_findings
+from .disturbance_findings import disturbance_findings, gone_with, sentences_on_gone
 from .few_temperatures import between_two_temperatures
 from .find import find_residual
 from .findings import findings_of, refuted
@@ -70,7 +70,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     told = _of_recordings(model.robot, evidence, test, whole, outside)
     left, test = _parts(evidence, whole, outside, test)
     refuse_too_short(left, evidence, whole, outside.found)
-    evidence = left
+    recordings, evidence = evidence, left
     refuse_the_useless(model, evidence)
     warmed, sentences = warmed_joints(model, evidence)
     progress('computing the residual')
@@ -82,7 +82,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     old, better = _models(model, trace.steps, evidence, own and bool(outside.found), refitted)
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
-                              (names, whole, outside.found), (before, after))
+                              (names, whole, outside.found), (before, after),
+                              _gone(model, better, recordings, outside.found))
     findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
@@ -126,18 +127,19 @@ def _models(model, steps, evidence, misled, seen):
     return old, better_model(model, steps, evidence)
 
 
-def _found(models, residual, traced, outside, errors):
+def _found(models, residual, traced, outside, errors, gone):
     """
     Return Findings with the verdicts that hold, and sentences on why some do not.
 
     models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names and Residual
-    of whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test.
+    of whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test;
+    gone: Disturbances that the better model explains.
     """
     (model, better), (trace, rest), joints = models, traced, models[0].robot.joints
     left = unexplained_joints(residual, rest)
     odd = left + trace.unexplained()
     findings = findings_of(model, better, trace, odd) \
-        + disturbance_findings(model.robot, *outside, odd) \
+        + disturbance_findings(model.robot, *outside, odd, gone) \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
     findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
@@ -147,7 +149,8 @@ def _found(models, residual, traced, outside, errors):
     findings, further = further_terms(findings, joints, residual)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + unsure + small + further + doubts
+    return findings, (wrong + kinds + unsure + small + further + doubts
+                      + sentences_on_gone(outside[0], gone))
 
 
 def _residual(model, evidence):
@@ -161,10 +164,21 @@ def _residual(model, evidence):
 
 def _outside(model, evidence, residual):
     """Return the Outside of whole recordings."""
+    return Standing(model, evidence, residual).beside(_in_motion(model, evidence, residual))
+
+
+def _in_motion(model, evidence, residual):
+    """Return the Disturbances of an arm that moves."""
     loads = tuple(e.load for e in evidence)
-    moving = Disturbances(model, residual, (contact(model.robot, residual),
-                                            load_change(model.robot, residual, loads)))
-    return Standing(model, evidence, residual).beside(moving)
+    return Disturbances(model, residual, (contact(model.robot, residual),
+                                          load_change(model.robot, residual, loads)))
+
+
+def _gone(model, better, evidence, found):
+    """Return those of Disturbances of whole recordings that the better model explains."""
+    if model is better or not found:
+        return ()
+    return gone_with(found, _in_motion(better, evidence, _residual(better, evidence)[0]).found)
 
 
 def _outside_rows(evidence, residual, outside):

@@ -18,30 +18,61 @@ AROUND = 3.0             # [s] drawn before and after
 POINTS, MOST_PICTURES = 60, 2
 
 
-def disturbance_findings(robot, names, residual, found, odd=()):
+def disturbance_findings(robot, names, residual, found, odd=(), gone=()):
     """
     Return the Findings on Disturbances.
 
     names: of the recordings; odd: joints with something unknown that goes on all the time, of
-    which a disturbance may be a part.
+    which a disturbance may be a part; gone: those of `found` that the better model explains.
     """
-    return tuple(_finding(robot, names, residual, one, odd) for one in found)
+    return tuple(_finding(robot, names, residual, one, odd, any(one is other for other in gone))
+                 for one in found)
 
 
-def _finding(robot, names, residual, one, odd):
+def gone_with(found, again):
+    """
+    Return those Disturbances `found` that a better model, which found others `again`, explains.
+
+    They were cut out of what that model was fitted to, so it cannot have learnt them; what it
+    explains all the same is a part of something that goes on all the time.
+    """
+    # Of an arm that is held nothing is foretold (standing.py).
+    return tuple(one for one in found if np.isfinite(one.evidence)
+                 and not any(_overlap(one, other) for other in again))
+
+
+def _overlap(one, other):
+    return one.owner == other.owner and one.first < other.stop and other.first < one.stop
+
+
+def sentences_on_gone(names, gone):
+    """Return a sentence on each Disturbance that the better model explains."""
+    return tuple(f'{names[one.owner]}: {_name(one)}{_at(one)} is only suspected: the '
+                 'model written explains the torques of that time without it' for one in gone)
+
+
+def _name(one):
+    name = one.cause.kind.name
+    return contact.NAME if name == contact.ELSEWHERE else name
+
+
+def _at(one):
+    return f' at {one.start[0]:.1f} s' if one.start else ''
+
+
+def _finding(robot, names, residual, one, odd, gone):
     rows = slice(one.first, one.stop)
     kind = one.cause.kind
     torque = kind.columns[rows] @ (one.theta / kind.scale)
     rms = np.sqrt((torque ** 2).mean(axis=0))
-    elsewhere = kind.name == contact.ELSEWHERE
-    name = contact.NAME if elsewhere else kind.name
+    elsewhere, name = kind.name == contact.ELSEWHERE, _name(one)
     parameters = contact.torque_parameters(one, robot.joints) if elsewhere \
         else PARAMETERS[name](one)
     parameters |= {name: (*moment, 's') for name, moment in
                    (('start', one.start), ('end', one.end)) if moment is not None}
     strong = np.flatnonzero(rms > SHARE * rms.max())
     tied = one.margin is not None and one.margin < TIE
-    sure = not set(strong) & set(odd)
+    sure = not set(strong) & set(odd) and not gone
     order = strong[np.argsort(-rms[strong])]
     joints = tuple(robot.joints[j] for j in strong)
     return Finding(
