@@ -12,7 +12,8 @@ from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.features import feature_count, features, REFRESH
 from hand_load_estimator.learning.objective import answers
-from hand_load_estimator.learning.shards import bayes_pass, prior_tensors, slow_residuals
+from hand_load_estimator.learning.shards import (bayes_pass, moves, prior_tensors,
+                                                  slow_residuals)
 
 
 @pytest.fixture(scope='module')
@@ -85,6 +86,7 @@ class Spy:
             difference[0].numpy(), [x[0].numpy() for x in load], slow[:, 0], relative[0].numpy())
         return {'inputs': torch.tensor(inputs)[None], 'columns': columns,
                 'difference': difference, 'weights': weights,
+                'moving': moves(stack(samples, 'v')),
                 'level': torch.tensor(model.friction_level())[None]}
 
 

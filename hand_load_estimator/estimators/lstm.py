@@ -20,7 +20,7 @@ from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
-from .regression import LoadRegression
+from .regression import LoadRegression, MOVING
 from .rest_watch import RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
@@ -155,7 +155,11 @@ class Lstm(Watching):
         self._scale.update(load[0], load[1] + prediction.stuck + prediction.noise, sample)
         features_now = self._features(sample, prediction, load)
         if prediction.doubt.min() < RESTED:
-            self._correction, self._shift, self._spread = self._cell.step(features_now)
+            self._correction, shift, spread = self._cell.step(features_now)
+            # An arm that stands tells nothing of the load: nor is it any better or worse known.
+            # Answers of training are held as long (learning/objective.py).
+            if np.abs(sample.v).max() > MOVING:
+                self._shift, self._spread = shift, spread
         weights = sample.dt / prediction.density
         self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
                           weights)

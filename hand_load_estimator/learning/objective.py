@@ -29,7 +29,8 @@ def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
     if network is not None:
         correction, shift, spread = network(shard['inputs'])
         difference = difference - correction * shard['level'][:, None, :]
-        shift, spread = shift[:, last].double(), spread[:, last].double()
+        shift, spread = (last_moving(said, shard['moving'])[:, last].double()
+                         for said in (shift, spread))
     matrix, vector = chunk_sums(columns, difference, weights, REFRESH)
     picked = list(judged)
     shape, covariance = shape_posterior(
@@ -38,6 +39,18 @@ def answers(network, shard, prior_mean, prior_std, judged=JUDGED):
         shape, covariance = adjusted(shape, covariance, shift, spread)
     std = torch.sqrt(torch.diagonal(covariance, dim1=-2, dim2=-1))
     return *message_moments(shape, covariance), std / prior_std
+
+
+def last_moving(said, moving):
+    """
+    Return what was said (B, T, 10) when the arm moved last, nothing before it did (moving (B, T)).
+
+    An arm that stands tells nothing of the load: nor is it any better or worse known.
+    """
+    steps = torch.arange(1, moving.shape[1] + 1, device=moving.device)
+    last = torch.cummax(moving * steps, dim=1).values
+    kept = torch.gather(said, 1, (last - 1).clamp(min=0)[..., None].expand_as(said))
+    return kept * (last > 0)[..., None]
 
 
 def adjusted(shape, covariance, shift, spread):

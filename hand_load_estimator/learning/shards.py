@@ -9,6 +9,7 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from ..estimators.load_prior import load_prior
+from ..estimators.regression import MOVING
 from ..model_file import read_model
 from ..whole_file import whole_file
 from ..workers import end_with
@@ -74,6 +75,11 @@ def slow_residuals(innovation, variance, density):
     return np.stack([np.stack(row) for row in rows], axis=2)
 
 
+def moves(velocity):
+    """Tell where any joint moves (B, T), of velocities (B, T, n) [rad/s]."""
+    return velocity.abs().amax(dim=-1) > MOVING
+
+
 def make_shard(maker, robot, seeds):
     """Return the tensors of one batch of sequences."""
     sequences = [maker.make(seed) for seed in seeds]
@@ -88,7 +94,7 @@ def make_shard(maker, robot, seeds):
         slow[:, k], relative[k].numpy()) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
-            'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe']}
+            'moving': moves(stack['motion'][:, :, 1]), 'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe']}
 
 
 def _write_shard(model_path, seeds, path, make):
