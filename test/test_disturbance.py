@@ -15,8 +15,8 @@ from hand_load_estimator.residual.contact import contact
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.disturbance import Disturbances, undisturbed
-from hand_load_estimator.residual.disturbance_findings import (disturbance_findings, gone_with,
-                                                                sentences_on_gone)
+from hand_load_estimator.residual.disturbance_findings import (disturbance_findings,
+                                                                findings_again)
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.load_change import load_change
 
@@ -169,22 +169,22 @@ def test_a_recording_too_short_to_tell_is_passed_over():
     assert finding.recording == 'run 1'
 
 
-def test_what_a_better_model_explains_is_only_suspected():
+def test_the_better_model_tells_what_acted_from_outside():
     twice = pushed(slice(500, 530), -FORCE, evidence=pushed(slice(150, 180)))
     model, names = declared_model(), [e.name for e in twice]
-    found = found_in(twice)[0].found
-    # As a model that explains the first of both would leave it.
-    again = found_in(pushed(slice(500, 530), -FORCE))[0].found
-    gone = gone_with(found, again)
-    assert len(gone) == 1 and gone[0] is found[0] and gone_with(found, found) == ()
-    findings = disturbance_findings(model.robot, names, find_residual(model, twice), found,
-                                    gone=gone)
+    before = find_residual(model, twice), found_in(twice)[0].found
+    # As a model that explains the first of both would leave it, and half of the second.
+    cleaner = pushed(slice(500, 530), -0.5 * FORCE)
+    after = find_residual(model, cleaner), found_in(cleaner)[0].found
+    findings, told = findings_again(model.robot, names, before, after)
     assert [f.verdict for f in findings] == [SUSPECTED, CONFIRMED]
-    assert sentences_on_gone(names, gone) == (
-        'run 0: external_contact at 3.0 s is only suspected: the model written explains the '
-        'torques of that time without it',)
+    assert_told(findings[1], **dict(zip(('force_x', 'force_y', 'force_z'), -0.5 * FORCE)))
+    assert told == ('run 0: external_contact at 3.0 s is only suspected: the model written '
+                    'explains the torques of that time without it',)
     # Of an arm that is held there is no evidence to compare.
-    assert gone_with((replace(found[0], evidence=np.nan),), ()) == ()
+    held = (before[0], (replace(before[1][0], evidence=np.nan),))
+    (finding,), told = findings_again(model.robot, names, held, (after[0], ()))
+    assert finding.verdict == CONFIRMED and told == ()
 
 
 def test_a_push_beside_an_effect_that_is_found_stays_confirmed():

@@ -16,7 +16,7 @@ from .contact import contact
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .disturbance import Disturbances, undisturbed
-from .disturbance_findings import disturbance_findings, gone_with, sentences_on_gone
+from .disturbance_findings import findings_again
 from .few_temperatures import between_two_temperatures
 from .find import find_residual
 from .findings import findings_of, refuted
@@ -82,8 +82,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     old, better = _models(model, trace.steps, evidence, own and bool(outside.found), refitted)
     before, after, rest_of_test = _errors(old, better, test)
     findings, doubts = _found((model, better), residual, (trace, rest),
-                              (names, whole, outside.found), (before, after),
-                              _gone(model, better, recordings, outside.found))
+                              (names, (whole, outside.found),
+                               _again(model, better, recordings, whole, outside.found)),
+                              (before, after))
     findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
@@ -127,19 +128,19 @@ def _models(model, steps, evidence, misled, seen):
     return old, better_model(model, steps, evidence)
 
 
-def _found(models, residual, traced, outside, errors, gone):
+def _found(models, residual, traced, outside, errors):
     """
     Return Findings with the verdicts that hold, and sentences on why some do not.
 
-    models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names and Residual
-    of whole recordings, Disturbances in them; errors: RMSE (n,) [Nm] of both models on the test;
-    gone: Disturbances that the better model explains.
+    models: diagnosed and better; traced: Trace and rest (N, n) [Nm]; outside: names of recordings,
+    Residual of them whole and Disturbances, the same of the better model; errors: RMSE (n,) [Nm]
+    of both models on the test.
     """
     (model, better), (trace, rest), joints = models, traced, models[0].robot.joints
     left = unexplained_joints(residual, rest)
     odd = left + trace.unexplained()
-    findings = findings_of(model, better, trace, odd) \
-        + disturbance_findings(model.robot, *outside, odd, gone) \
+    once, gone = findings_again(model.robot, *outside, odd)
+    findings = findings_of(model, better, trace, odd) + once \
         + unknown_left(model, residual, rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
     findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
@@ -149,8 +150,7 @@ def _found(models, residual, traced, outside, errors, gone):
     findings, further = further_terms(findings, joints, residual)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, (wrong + kinds + unsure + small + further + doubts
-                      + sentences_on_gone(outside[0], gone))
+    return findings, wrong + kinds + unsure + small + further + doubts + gone
 
 
 def _residual(model, evidence):
@@ -174,11 +174,12 @@ def _in_motion(model, evidence, residual):
                                           load_change(model.robot, residual, loads)))
 
 
-def _gone(model, better, evidence, found):
-    """Return those of Disturbances of whole recordings that the better model explains."""
+def _again(model, better, evidence, whole, found):
+    """Return the better model's Residual of whole recordings and Disturbances, for one's own."""
     if model is better or not found:
-        return ()
-    return gone_with(found, _in_motion(better, evidence, _residual(better, evidence)[0]).found)
+        return whole, found
+    residual, _ = _residual(better, evidence)
+    return residual, _in_motion(better, evidence, residual).found
 
 
 def _outside_rows(evidence, residual, outside):

@@ -181,14 +181,17 @@ class Disturbances:
             edge, std = self._edge(cause.kind, rows, first, stop, at_first)
             first, stop = (edge, stop) if at_first else (first, edge)
             edges[not at_first] = std
-        evidence, _, _ = fit(self._usual, cause.kind, first, stop)
-        rival = max(self._explanations(first, stop, [c for c in self._causes if c is not cause]),
-                    key=lambda one: one[3], default=None)
+        ranked = sorted([(fit(self._usual, cause.kind, first, stop)[0], cause),
+                         *((evidence, rival) for rival, _, _, evidence in self._explanations(
+                             first, stop, [c for c in self._causes if c is not cause]))],
+                        key=lambda pair: -pair[0])
+        # With its edges where they are, another cause may explain it better.
+        (evidence, cause), rival = ranked[0], next(iter(ranked[1:]), None)
         theta, covariance = self._size(cause.kind, first, stop, others)
         start, end = (self._time(rows, edge, std) for edge, std in zip((first, stop), edges))
         return Disturbance(cause, int(self._residual.owner[first]), first, stop, theta, covariance,
                            start, end, evidence, self._needed(), self.tried,
-                           rival and rival[0].kind.name, rival and evidence - rival[3])
+                           rival and rival[1].kind.name, rival and evidence - rival[0])
 
     def _sure(self, found):
         """Return the Disturbances that stand out of what is left when all are left out."""

@@ -1,5 +1,7 @@
 """What acted from outside, in the words, numbers and pictures of a Diagnosis."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from . import contact, load_change
@@ -18,61 +20,67 @@ AROUND = 3.0             # [s] drawn before and after
 POINTS, MOST_PICTURES = 60, 2
 
 
-def disturbance_findings(robot, names, residual, found, odd=(), gone=()):
+def disturbance_findings(robot, names, residual, found, odd=()):
     """
     Return the Findings on Disturbances.
 
     names: of the recordings; odd: joints with something unknown that goes on all the time, of
-    which a disturbance may be a part; gone: those of `found` that the better model explains.
+    which a disturbance may be a part.
     """
-    return tuple(_finding(robot, names, residual, one, odd, any(one is other for other in gone))
-                 for one in found)
+    return tuple(_finding(robot, names, residual, one, odd) for one in found)
 
 
-def gone_with(found, again):
+def findings_again(robot, names, before, after, odd=()):
     """
-    Return those Disturbances `found` that a better model, which found others `again`, explains.
+    Return (Findings, sentences) on Disturbances as the better model shows them.
 
-    They were cut out of what that model was fitted to, so it cannot have learnt them; what it
-    explains all the same is a part of something that goes on all the time.
+    before, after: Residual and Disturbances of the model diagnosed and of the better one, on the
+    same whole recordings. The better model was fitted without these times, so it cannot have
+    learnt them; what it explains all the same is a part of something that goes on all the time,
+    and only suspected.
     """
-    # Of an arm that is held nothing is foretold (standing.py).
-    return tuple(one for one in found if np.isfinite(one.evidence)
-                 and not any(_overlap(one, other) for other in again))
+    (residual, found), (cleaner, again) = before, after
+    findings, told, taken = [], [], []
+    for one in found:
+        same = max(again, key=lambda other: _overlap(one, other), default=None)
+        if same is not None and _overlap(one, same) > 0:
+            if not any(same is other for other in taken):
+                taken.append(same)
+                findings.append(_finding(robot, names, cleaner, same, odd))
+            continue
+        finding = _finding(robot, names, residual, one, odd)
+        # Of an arm that is held nothing is foretold (standing.py).
+        if np.isfinite(one.evidence):
+            finding = replace(finding, verdict=SUSPECTED)
+            told.append(f'{finding.recording}: {finding.name}{_at(one)} is only suspected: the '
+                        'model written explains the torques of that time without it')
+        findings.append(finding)
+    return tuple(findings), tuple(told)
 
 
 def _overlap(one, other):
-    return one.owner == other.owner and one.first < other.stop and other.first < one.stop
-
-
-def sentences_on_gone(names, gone):
-    """Return a sentence on each Disturbance that the better model explains."""
-    return tuple(f'{names[one.owner]}: {_name(one)}{_at(one)} is only suspected: the '
-                 'model written explains the torques of that time without it' for one in gone)
-
-
-def _name(one):
-    name = one.cause.kind.name
-    return contact.NAME if name == contact.ELSEWHERE else name
+    """Return how many rows two Disturbances have in common."""
+    return min(one.stop, other.stop) - max(one.first, other.first)
 
 
 def _at(one):
     return f' at {one.start[0]:.1f} s' if one.start else ''
 
 
-def _finding(robot, names, residual, one, odd, gone):
+def _finding(robot, names, residual, one, odd):
     rows = slice(one.first, one.stop)
     kind = one.cause.kind
     torque = kind.columns[rows] @ (one.theta / kind.scale)
     rms = np.sqrt((torque ** 2).mean(axis=0))
-    elsewhere, name = kind.name == contact.ELSEWHERE, _name(one)
+    elsewhere = kind.name == contact.ELSEWHERE
+    name = contact.NAME if elsewhere else kind.name
     parameters = contact.torque_parameters(one, robot.joints) if elsewhere \
         else PARAMETERS[name](one)
     parameters |= {name: (*moment, 's') for name, moment in
                    (('start', one.start), ('end', one.end)) if moment is not None}
     strong = np.flatnonzero(rms > SHARE * rms.max())
     tied = one.margin is not None and one.margin < TIE
-    sure = not set(strong) & set(odd) and not gone
+    sure = not set(strong) & set(odd)
     order = strong[np.argsort(-rms[strong])]
     joints = tuple(robot.joints[j] for j in strong)
     return Finding(
