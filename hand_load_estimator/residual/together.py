@@ -15,9 +15,10 @@ from .candidate import ahead, Candidate, joined, significant, single, Step, tied
 from .choice import chosen_step
 from .delay_among_others import delay_among, delayed
 from .diagnosis import UNKNOWN
-from .finer_shape import best_of_each, search_around
+from .finer_shape import best_of_each, finer, search_around
 from .hypotheses import of_joint
 from .hypothesis import beside_delays
+from .unfounded import EXACT
 
 # Of each cause so many others beside it make a pair; the shapes of so many pairs are searched.
 PARTNERS, FINISHED = 2, 4
@@ -79,8 +80,9 @@ class Together:
             pairs.append(late)
         best = self._best(pairs)
         # Every pair is a trial, too.
-        if best is None or not self._better(best.both, chosen, next_best,
-                                            needed + np.log(len(pairs))):
+        least = needed + np.log(len(pairs))
+        if best is None or not self._better(best.both, chosen, next_best, least) \
+                or not self._beyond_form(best.both, chosen, least):
             return ()
         steps = self._steps(best, chosen.name, needed)
         return steps if all(s.chosen.gain > needed and significant(s.chosen)
@@ -117,6 +119,14 @@ class Together:
             return False
         beyond = ahead(both, self._finished(Pair(chosen, named)).both)
         return beyond.gain > needed and significant(beyond)
+
+    def _beyond_form(self, both, chosen, needed):
+        """Tell whether two explain more than one does with its finer form, which is never exact."""
+        if chosen.name == UNKNOWN:
+            return True
+        alone = finer(chosen, self._blocks, self._model, self._residual, self._warmed)
+        beyond = ahead(both, alone)
+        return beyond.gain > max(needed, EXACT ** 2 * alone.gain) and significant(beyond)
 
     def _best(self, pairs):
         """Return the best of Pairs, the best few with their shapes searched, or None."""
