@@ -108,6 +108,27 @@ def test_a_load_for_a_time_is_a_load_change(rows, known):
         assert_told(finding, com_x=LOAD.com[0], com_y=LOAD.com[1], com_z=LOAD.com[2])
 
 
+def test_the_cause_that_fits_best_with_its_edges_is_named(monkeypatch):
+    """The first look at a load that hardly accelerates may take it for a push of the hand."""
+    first = Disturbances._explanations
+
+    def misled(self, start, stop, causes):
+        found = first(self, start, stop, causes)
+        if len(causes) == 1 and causes[0].kind.name == 'load_change' and not self.looked:
+            return []
+        return found
+    monkeypatch.setattr(Disturbances, '_explanations', misled)
+    monkeypatch.setattr(Disturbances, 'looked', False, raising=False)
+    edge = Disturbances._edge
+
+    def edged(self, *arguments):
+        self.looked = True
+        return edge(self, *arguments)
+    monkeypatch.setattr(Disturbances, '_edge', edged)
+    _, (finding,) = found_in(loaded(slice(300, 600)))
+    assert finding.name == 'load_change' and finding.evidence.next_best == 'external_contact'
+
+
 def test_only_a_declared_load_can_be_lost():
     lost = loaded(slice(400, None), sign=-1.0)
     assert not [f for f in found_in(lost)[1] if f.name == 'load_change']

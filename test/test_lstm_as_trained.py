@@ -11,7 +11,7 @@ from hand_load_estimator.estimators.lstm import LstmCell
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.features import feature_count, features, REFRESH
-from hand_load_estimator.learning.objective import answers
+from hand_load_estimator.learning.objective import answers, last_moving
 from hand_load_estimator.learning.shards import (bayes_pass, moves, prior_tensors,
                                                   slow_residuals)
 
@@ -130,6 +130,16 @@ def test_answers_are_the_same_in_training_and_running(spied):
         std = np.sqrt(np.diag(belief.covariance))
         np.testing.assert_allclose((belief.mean - mean[0, place].numpy()) / std, 0.0, atol=0.01)
         np.testing.assert_allclose(std, np.sqrt(variance[0, place].numpy()), rtol=0.01)
+
+
+def test_what_was_said_is_held_while_the_arm_stands():
+    said = torch.arange(1.0, 7.0)[None, :, None] * torch.ones(10)
+    moving = torch.tensor([[False, True, True, False, False, True]])
+    held = last_moving(said, moving)
+    assert held[0, :, 3].tolist() == [0.0, 2.0, 3.0, 3.0, 3.0, 6.0]
+    assert not last_moving(said, torch.zeros_like(moving)).any()
+    velocity = torch.tensor([[[0.01, -0.019], [0.0, -0.021]]])
+    assert moves(velocity).tolist() == [[False, True]]
 
 
 def test_extreme_inputs_stay_finite(robot, loud):

@@ -1,5 +1,7 @@
 """The LSTM as a method: beside Bayes, with its calibration, through changes, resets, restarts."""
 
+from dataclasses import replace
+
 from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
 from lstm_helpers import artefact_of, loud_network, network_of, pipeline_with
 import numpy as np
@@ -77,6 +79,30 @@ def test_factors_are_interpolated_linearly_one_row_each():
     np.testing.assert_allclose(
         factors_at(factors, level),
         [np.interp(x, LEVELS, row) for x, row in zip(level, factors)], rtol=1e-13)
+
+
+def test_an_arm_that_stands_is_told_no_more_of_the_load(loud):
+    """Shift and spread stay while it stands, zero before it has moved."""
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 3.0)
+    pipeline = warm(pipeline_with(model, loud[1]))
+    method = pipeline.method
+    feed(pipeline, stream[:55])
+    assert not np.any(method._shift) and not np.any(method._spread)
+    assert np.any(method._cell.memory)
+    feed(pipeline, stream[55:])
+    shift, spread, memory = method._shift, method._spread, method._cell.memory
+    assert np.abs(shift).min() > 0.0 and np.abs(spread).min() > 0.0
+    # Held where it is, until the filtered velocity has come to rest, and on.
+    last = stream[-1]
+    held = [replace(last, stamp=last.stamp + 0.01 * k, position=last.position,
+                    velocity=0.0 * last.velocity) for k in range(1, 121)]
+    feed(pipeline, held[:60])
+    shift, spread = method._shift, method._spread
+    feed(pipeline, held[60:])
+    np.testing.assert_array_equal(method._shift, shift)
+    np.testing.assert_array_equal(method._spread, spread)
+    assert np.abs(method._cell.memory[0] - memory[0]).max() > 0.0
 
 
 def test_a_changed_load_is_noticed_in_step_with_bayes(silent):

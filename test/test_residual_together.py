@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
-from residual_helpers import constant_friction, declared_model, on, recorded, viscous
+from residual_helpers import constant_friction, declared_model, on, recorded, thinning, viscous
 
-from hand_load_estimator.residual.candidate import Candidate
+from hand_load_estimator.residual.candidate import ahead, Candidate, significant
 from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.finer_shape import finer
 from hand_load_estimator.residual.hypothesis import Hypothesis
 from hand_load_estimator.residual.together import _step, Together
 from hand_load_estimator.residual.trace import Trace
+from hand_load_estimator.residual.unfounded import EXACT
 
 NEEDED = 30.0
 
@@ -52,6 +54,23 @@ def test_what_does_not_matter_is_no_part_of_a_pair(traced):
     singles, together = search(traced)
     assert together.instead_of(singles['shear_thinning_friction'], NEEDED,
                                lambda candidate: candidate.name != 'coulomb_friction') == ()
+
+
+@pytest.mark.parametrize('share, more', [(0.5, False), (4.0, True)])
+def test_what_a_plainer_form_leaves_is_no_second_cause(share, more):
+    """Two explain more than one with its finer form by a share of what no formula is exact to."""
+    trace = Trace(declared_model(), find_residual(
+        declared_model(), recorded(on(1, 20.0, thinning))), ())
+    trace._evaluate()
+    singles, together = search(trace)
+    chosen = singles['shear_thinning_friction']
+    alone = finer(chosen, trace.blocks, trace._model, trace.residual, ())
+    assert alone.gain > chosen.gain + 10.0 * NEEDED
+    by_block = (1.0 + share * EXACT ** 2) * alone.by_block
+    both = Candidate('both', alone.parts, by_block.sum(), 0.0, by_block)
+    # Either is far more than chance, and far more than the plain form explains.
+    assert ahead(both, alone).gain > NEEDED and significant(ahead(both, alone))
+    assert together._beyond_form(both, chosen, NEEDED) == more
 
 
 def test_nothing_is_searched_where_no_more_than_chance_is_left(traced, monkeypatch):
