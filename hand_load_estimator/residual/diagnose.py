@@ -85,20 +85,20 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
                               (names, (whole, outside.found),
                                _again(model, better, recordings, whole, outside.found)),
                               (before, after))
-    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
+    findings, between, state = _beyond_recordings(findings, model, residual, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
-    unnamed = mostly_structure(model.robot, residual, rest, findings, structure, trace.trials)
-    told_of, state = of_another_state(findings + unnamed, model, residual)
     cannot = [*state, *by_name, *told, *sentences, *slow_joint_states(evidence),
               *still.values(), *_unfinished(trace),
               *repeated(residual.cut, evidence, test),
               *odd_recordings(model, evidence, lambda parts: _sliding(better, parts)),
               *_nearly(model.robot, trace, findings, _structured(rest_of_test))]
-    correction = offered(better, told_of, evidence,
+    findings += mostly_structure(model.robot, residual, rest, findings, structure,
+                                 trace.trials)
+    correction = offered(better, findings, evidence,
                          lambda m: (_errors(old, m, test)[1], _sliding(m, test)))
     return with_correction(Diagnosis(
-        model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, told_of,
+        model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, findings,
         rest_of_test.least_structure, tuple(cannot), recordings=names,
         tested_on=tested_on, seen=() if refitted else seen, refitted=refitted, left_out=left_out,
         seconds=time.monotonic() - began,
@@ -253,6 +253,13 @@ def errors_of(model, evidence):
     """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
     residuals = [find_residual(model, [e], cut=False) for e in evidence]
     return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
+
+
+def _beyond_recordings(findings, model, residual, evidence):
+    """Return Findings that recordings of these temperatures, and of this arm, can confirm; why."""
+    findings, between = between_two_temperatures(findings, model.robot.joints, evidence)
+    findings, state = of_another_state(findings, model, residual)
+    return findings, between, state
 
 
 def _unfinished(trace):
