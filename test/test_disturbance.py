@@ -204,8 +204,10 @@ def test_the_better_model_tells_what_acted_from_outside():
                     'explains the torques of that time without it',)
     # Of an arm that is held there is no evidence to compare.
     held = (before[0], (replace(before[1][0], evidence=np.nan),))
-    (finding,), told = findings_again(model.robot, names, held, (after[0], ()))
-    assert finding.verdict == CONFIRMED and told == ()
+    for others in ((), before[1]):
+        (finding,), told = findings_again(model.robot, names, held, (after[0], others))
+        assert finding.verdict == CONFIRMED and told == ()
+        assert np.isnan(finding.evidence.gain)
 
 
 def test_a_push_beside_an_effect_that_is_found_stays_confirmed():

@@ -43,18 +43,18 @@ def findings_again(robot, names, before, after, odd=()):
     findings, told, taken = [], [], []
     for one in found:
         same = max(again, key=lambda other: _overlap(one, other), default=None)
-        if same is not None and _overlap(one, same) > 0:
-            if not any(same is other for other in taken):
-                taken.append(same)
-                findings.append(_finding(robot, names, cleaner, same, odd))
-            continue
-        finding = _finding(robot, names, residual, one, odd)
         # Of an arm that is held nothing is foretold (standing.py).
-        if np.isfinite(one.evidence):
-            finding = replace(finding, verdict=SUSPECTED)
-            told.append(f'{finding.recording}: {finding.name}{_at(one)} is only suspected: the '
-                        'model written explains the torques of that time without it')
-        findings.append(finding)
+        if not np.isfinite(one.evidence):
+            findings.append(_finding(robot, names, residual, one, odd))
+        elif same is None or _overlap(one, same) <= 0:
+            findings.append(replace(_finding(robot, names, residual, one, odd),
+                                    verdict=SUSPECTED))
+            told.append(f'{findings[-1].recording}: {findings[-1].name}{_at(one)} is only '
+                        'suspected: the model written explains the torques of that time without '
+                        'it')
+        elif not any(same is other for other in taken):
+            taken.append(same)
+            findings.append(_finding(robot, names, cleaner, same, odd))
     return tuple(findings), tuple(told)
 
 
