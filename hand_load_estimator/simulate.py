@@ -54,7 +54,7 @@ def add_arguments(parser):
     parser.add_argument('--seed', metavar='N', type=_number(0, 2 ** 31, int),
                         default=SHIPPED_MODEL_PLANT,
                         help=f'draws the arm and its noise (default: {SHIPPED_MODEL_PLANT}, the '
-                             'arm of the shipped models)')
+                             'arm of the shipped ur10e model)')
     parser.add_argument('--motion-seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
                         help='draws the motion, noise and state of rest (default: 0)')
     parser.add_argument('--duration', metavar='S', type=_number(1.0, 36000.0),

@@ -9,6 +9,7 @@ import pytest
 from residual_helpers import cable, declared_model, noise_of, on, recorded
 
 from hand_load_estimator.evidence import recording_numbers
+from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.contact import contact
@@ -108,25 +109,34 @@ def test_a_load_for_a_time_is_a_load_change(rows, known):
         assert_told(finding, com_x=LOAD.com[0], com_y=LOAD.com[1], com_z=LOAD.com[2])
 
 
-def test_the_cause_that_fits_best_with_its_edges_is_named(monkeypatch):
-    """The first look at a load that hardly accelerates may take it for a push of the hand."""
-    first = Disturbances._explanations
+@pytest.mark.parametrize('rows', [slice(200, None), slice(100, 750), slice(300, 600)])
+def test_a_light_load_is_no_push(rows):
+    """It hardly resists acceleration: almost a constant force, but none that lasts as long."""
+    robot, motion = declared_model().robot, recorded()[1].motion
+    light = LoadParameters(0.5, np.zeros(3), np.zeros((3, 3))).to_products()
+    torque = np.array([robot.load_regressor(*row) @ light
+                       for row in zip(motion.q, motion.v, motion.a)])
+    _, (finding,) = found_in(with_torque(recorded(), 1, rows, torque))
+    others = [other.name for other in finding.alternatives]
+    if rows.start == 300:
+        assert {finding.name, *others} == {'load_change', 'external_contact'} and finding.advice
+    else:
+        assert finding.name == 'load_change'
 
-    def misled(self, start, stop, causes):
-        found = first(self, start, stop, causes)
-        if len(causes) == 1 and causes[0].kind.name == 'load_change' and not self.looked:
-            return []
-        return found
-    monkeypatch.setattr(Disturbances, '_explanations', misled)
-    monkeypatch.setattr(Disturbances, 'looked', False, raising=False)
-    edge = Disturbances._edge
 
-    def edged(self, *arguments):
-        self.looked = True
-        return edge(self, *arguments)
-    monkeypatch.setattr(Disturbances, '_edge', edged)
-    _, (finding,) = found_in(loaded(slice(300, 600)))
-    assert finding.name == 'load_change' and finding.evidence.next_best == 'external_contact'
+def test_known_ones_are_looked_for_and_nothing_else():
+    twice = pushed(slice(500, 530), -FORCE, evidence=pushed(slice(150, 180)))
+    model, residual = declared_model(), find_residual(declared_model(), twice)
+    causes = contact(model.robot, residual), load_change(
+        model.robot, residual, [e.load for e in twice])
+    found = found_in(twice)[0].found
+    again = Disturbances(model, residual, causes, found).found
+    assert [(one.first, one.stop) for one in again] == [(one.first, one.stop) for one in found]
+    once = find_residual(model, pushed(slice(500, 530), -FORCE))
+    causes = (contact(model.robot, once),)
+    (left,) = Disturbances(model, once, causes, found).found
+    assert left.first == pytest.approx(500, abs=3)
+    assert left.needed == found[1].needed
 
 
 def test_only_a_declared_load_can_be_lost():
@@ -200,8 +210,12 @@ def test_the_better_model_tells_what_acted_from_outside():
     findings, told = findings_again(model.robot, names, before, after)
     assert [f.verdict for f in findings] == [SUSPECTED, CONFIRMED]
     assert_told(findings[1], **dict(zip(('force_x', 'force_y', 'force_z'), -0.5 * FORCE)))
-    assert told == ('run 0: external_contact at 3.0 s is only suspected: the model written '
-                    'explains the torques of that time without it',)
+    assert told == ('run 0: external_contact at 3.0 s is only suspected: it is not found again '
+                    'with the model written',)
+    # What only touches another is not the same.
+    near = replace(before[1][1], first=before[1][0].stop - 1)
+    findings, told = findings_again(model.robot, names, before, (after[0], (near,)))
+    assert [f.verdict for f in findings] == [SUSPECTED, CONFIRMED] and len(told) == 1
     # Of an arm that is held there is no evidence to compare.
     held = (before[0], (replace(before[1][0], evidence=np.nan),))
     for others in ((), before[1]):

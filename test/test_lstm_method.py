@@ -105,6 +105,24 @@ def test_an_arm_that_stands_is_told_no_more_of_the_load(loud):
     assert np.abs(method._cell.memory[0] - memory[0]).max() > 0.0
 
 
+def test_a_push_on_an_arm_that_stands_leaves_what_was_said(loud):
+    model = exact_model('four')
+    pipeline = warm(pipeline_with(model, loud[1]))
+    feed(pipeline, messages(model, block(2.0), 3.0))
+    method = pipeline.method
+    said = method._shift.copy(), method._spread.copy()
+    stamp = 103.0
+    method._plain.begin_anew(stamp)
+    method._learned.begin_anew(stamp)
+    method._restart()
+    assert not np.any(method._shift)
+    method._gate.reason = 'a push'
+    method._take_back(stamp + 0.1)
+    np.testing.assert_array_equal((method._shift, method._spread), said)
+    np.testing.assert_allclose(method._learned.posterior.shape, method._plain.posterior.shape,
+                               atol=1.0)
+
+
 def test_a_changed_load_is_noticed_in_step_with_bayes(silent):
     model = exact_model('four')
     stream = messages(model, LoadParameters(), 5.0, change=(2.5, block(2.0)))

@@ -34,14 +34,27 @@ def moved(turned):
     (1.01 * WHOLE_TURN, [('cable_drag', 900.0), ('gravity_spring', 100.0)], [True, True]),
     (2.2, [('cable_drag', 900.0), ('viscous_friction', 100.0)], [True, True]),
     (2.2, [('cable_drag', 900.0, 0), ('gravity_spring', 100.0)], [True, True]),
-    # What is no more than suspected casts no doubt on anything.
-    (2.2, [('cable_drag', 900.0, 1, SUSPECTED), ('gravity_spring', 100.0)], [False, True])])
+    # What is suspected is in the model all the same.
+    (2.2, [('cable_drag', 900.0, 1, SUSPECTED), ('gravity_spring', 100.0)], [False, False])])
 def test_of_a_spring_and_a_cable_only_the_larger_is_confirmed(turned, given, sure):
-    found, told = further_terms([finding(*one) for one in given], JOINTS, moved(turned))
+    found, told = further_terms([finding(*one) for one in given], declared_model(),
+                                moved(turned))
     assert [f.verdict == CONFIRMED for f in found] == sure
     lost = [one[0] for one, kept in zip(given, sure) if not kept and len(one) < 4]
     assert [text.split(' is only')[0] for text in told] == [f'{JOINTS[1]}: {n}' for n in lost]
     assert all('move the joint over a whole turn' in f.advice for f in found if f.name in lost)
+
+
+def test_a_spring_beside_a_cable_that_the_model_has_is_only_suspected():
+    model = SimpleNamespace(robot=declared_model().robot,
+                            uses=(SimpleNamespace(name='cable_drag', joint=1),))
+    (found,), (told,) = further_terms([finding('gravity_spring', 900.0)], model, moved(2.2))
+    assert found.verdict == SUSPECTED and 'of the cable_drag there' in told
+    other_joint = further_terms([finding('gravity_spring', 900.0, 0)], model, moved(2.2))
+    assert other_joint[0][0].verdict == CONFIRMED
+    # The change of a spring that it has beside the cable is no new one.
+    changed = replace(finding('gravity_spring', 900.0), changed=True)
+    assert further_terms([changed], model, moved(2.2))[0][0].verdict == CONFIRMED
 
 
 def pulled(hidden):

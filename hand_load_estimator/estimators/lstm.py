@@ -122,6 +122,7 @@ class Lstm(Watching):
         self._scale = InnovationScale(model.residuals.rmse)
         self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._plain.change,
                                  self._robot.effort.torque_constants_std)
+        self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._restart()
 
     @property
@@ -190,7 +191,7 @@ class Lstm(Watching):
         if self._gate.reason and self._plain.take_back(stamp):
             self._learned.take_back(stamp)
             self._cell.restart()
-            self._shift, self._spread = np.zeros(10), np.zeros(10)
+            self._shift, self._spread = self._said_before
             self._renew()
 
     def belief(self):
@@ -248,6 +249,8 @@ class Lstm(Watching):
         self._slow = SlowResidual(self._robot.n)
         self._count, self._unsettled = 0, None
         self._correction = np.zeros(self._robot.n)
+        # Of the load before, should a change turn out to have been a contact.
+        self._said_before = self._shift, self._spread
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._renew()
 

@@ -94,7 +94,8 @@ def make_shard(maker, robot, seeds):
         slow[:, k], relative[k].numpy()) for k, s in enumerate(sequences)])
     return {'inputs': torch.tensor(inputs, dtype=torch.float32), 'columns': stack['columns'],
             'difference': stack['difference'], 'weights': weights, 'level': stack['level'],
-            'moving': moves(stack['motion'][:, :, 1]), 'load': stack['load'], 'begin': stack['begin'], 'severe': stack['severe']}
+            'moving': moves(stack['motion'][:, :, 1]), 'load': stack['load'],
+            'begin': stack['begin'], 'severe': stack['severe']}
 
 
 def _write_shard(model_path, seeds, path, make):

@@ -14,11 +14,12 @@ import numpy as np
 from ..effects import EFFECTS
 from .candidate import SIGMAS
 from .diagnosis import SUSPECTED
+from .hypotheses import ONE_CAUSE
 
 # A joint differs far where the old model leaves so many times the noise that it states.
 FAR = 3.0
-# A gain has one cause where it is the same at all its joints: what supplies or reads them all. It
-# surely is not where gains differ by this share of the largest.
+# A gain has one cause where it is the same at most of its joints: what supplies or reads them all.
+# Two surely are not the same where they differ by this share of the larger.
 OWN_GAINS = 0.5
 _GAINS = ('torque_scale', 'torque_scale_temperature')
 
@@ -33,7 +34,7 @@ def of_another_state(findings, model, residual):
     count = np.maximum(residual.moving.sum(axis=0), 1)
     rms = np.sqrt((residual.moving * residual.residual ** 2).sum(axis=0) / count)
     far = {name for name, times in zip(model.robot.joints, rms / model.noise) if times > FAR}
-    own = {name for f in findings if _of_its_joints(f) for name in f.joints} & far
+    own = {name for f in findings for name in _own_joints(f, findings)} & far
     n = model.robot.n
     if 2 * len(own) <= n:
         return findings, ()
@@ -44,23 +45,32 @@ def of_another_state(findings, model, residual):
         'identify this arm anew (hand_load identify) instead of using the model written',))
 
 
-def _of_its_joints(finding):
-    """Tell whether a Finding is of each of its joints alone, and lasts."""
-    # What is only suspected differs all the same; what several joints show together is one cause.
-    return not finding.recording and (len(finding.joints) == 1 or _own_gains(finding))
+def _own_joints(finding, findings):
+    """Return the names of a Finding's joints that have a lasting cause of their own."""
+    # What is only suspected differs all the same.
+    if finding.recording:
+        return ()
+    if len(finding.joints) > 1:
+        return _own_gains(finding) if finding.name in _GAINS else ()
+    # What several joints show together is one cause, though one of them was found later.
+    later = finding.name in ONE_CAUSE and any(
+        f is not finding and f.name == finding.name for f in findings)
+    return () if later else finding.joints
 
 
 def _own_gains(finding):
-    """Tell whether a Finding is of gains that surely are not one and the same."""
-    if finding.name not in _GAINS:
-        return False
+    """Return the names of a Finding's joints whose gain is not the one of most of them."""
     (name, _), = EFFECTS[finding.name].parameters
     told = [finding.parameters.get(f'change_of_{name} ({joint})')
             or finding.parameters.get(f'{name} ({joint})') for joint in finding.joints]
     if None in told:
-        return False
-    mean, std, _ = zip(*told)
-    least, most = int(np.argmin(mean)), int(np.argmax(mean))
-    apart = mean[most] - mean[least]
-    return bool(apart > SIGMAS * np.hypot(std[most], std[least])
-                and apart > OWN_GAINS * np.abs(mean).max())
+        return ()
+    mean, std, _ = (np.array(values) for values in zip(*told))
+    size = np.abs(mean)
+    apart = np.maximum(SIGMAS * np.hypot(std[:, None], std), OWN_GAINS * np.maximum(
+        size[:, None], size))
+    alike = np.abs(mean[:, None] - mean) <= apart
+    most = alike[np.argmax(alike.sum(axis=0))]
+    if 2 * most.sum() <= len(mean):
+        return finding.joints
+    return tuple(joint for joint, one in zip(finding.joints, most) if not one)

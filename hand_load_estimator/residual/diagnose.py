@@ -147,7 +147,7 @@ def _found(models, residual, traced, outside, errors):
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     findings, small = small_beside_others(findings)
-    findings, further = further_terms(findings, joints, residual)
+    findings, further = further_terms(findings, model, residual)
     if residual.cut.shown is not None:
         findings = only_suspected(findings)
     return findings, wrong + kinds + unsure + small + further + doubts + gone
@@ -167,19 +167,20 @@ def _outside(model, evidence, residual):
     return Standing(model, evidence, residual).beside(_in_motion(model, evidence, residual))
 
 
-def _in_motion(model, evidence, residual):
-    """Return the Disturbances of an arm that moves."""
+def _in_motion(model, evidence, residual, known=()):
+    """Return the Disturbances of an arm that moves; known: as of those."""
     loads = tuple(e.load for e in evidence)
     return Disturbances(model, residual, (contact(model.robot, residual),
-                                          load_change(model.robot, residual, loads)))
+                                          load_change(model.robot, residual, loads)), known)
 
 
 def _again(model, better, evidence, whole, found):
-    """Return the better model's Residual of whole recordings and Disturbances, for one's own."""
-    if model is better or not found:
+    """Return Residual and Disturbances of whole recordings, `found` once more by the better."""
+    known = tuple(one for one in found if np.isfinite(one.evidence))
+    if model is better or not known:
         return whole, found
     residual, _ = _residual(better, evidence)
-    return residual, _in_motion(better, evidence, residual).found
+    return residual, _in_motion(better, evidence, residual, known).found
 
 
 def _outside_rows(evidence, residual, outside):

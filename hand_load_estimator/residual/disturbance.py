@@ -68,10 +68,12 @@ class Disturbances:
     """
     Search for Disturbances by some Causes in a Residual of a TorqueModel.
 
+    known: Disturbances that another model's Residual of the same rows shows, to be looked for
+    again and nothing else; without any, all of the recordings are searched.
     found: tuple of Disturbance in the order of time; rows (N,) bool: in any of them.
     """
 
-    def __init__(self, model, residual, causes):
+    def __init__(self, model, residual, causes, known=()):
         self._residual, self._causes = residual, causes
         self._usual = Usual(model, residual)
         self._dt = float(np.median(residual.dt))
@@ -82,8 +84,9 @@ class Disturbances:
         step = np.broadcast_to(np.eye(n), (len(residual.dt), n, n))
         self._steps = Kind('step', step * STEP * model.robot.limits.torque[:, None],
                            np.ones(n), 0.0, 0.0, 0.0, False)
-        self.tried = 0
-        measured = self._measured(self._select())
+        self.tried = max((d.tried for d in known), default=0)
+        spans = [(d.first, d.stop, d.evidence) for d in known] or self._select()
+        measured = self._measured(spans)
         self.found = tuple(sorted(self._sure(measured), key=lambda found: found.first))
         self.rows = self._masked([(d.first, d.stop) for d in self.found])
 
@@ -119,12 +122,19 @@ class Disturbances:
         least = max(self._needed(), EXPLAINED * fit(self._usual, self._steps, first, stop)[0])
         found = []
         for cause in causes:
-            if self._seconds(first, stop) < 0.9 * cause.kind.shortest:
+            if not self._lasts(cause.kind, first, stop):
                 continue
             evidence, theta, covariance = fit(self._usual, cause.kind, first, stop)
             if evidence > least and self._possible(cause, theta, covariance, first):
                 found.append((cause, first, stop, evidence))
         return found
+
+    def _lasts(self, kind, first, stop):
+        """Tell whether a Kind may act as long as an interval."""
+        rows = next(rows for rows in self._recordings if first < rows.stop)
+        most = 1.0 if kind.open_ended else kind.longest
+        return self._seconds(first, stop) >= 0.9 * kind.shortest \
+            and stop - first <= most * (rows.stop - rows.start)
 
     def _possible(self, cause, theta, covariance, first):
         scale = cause.kind.scale
@@ -206,8 +216,9 @@ class Disturbances:
             explained, share = self._share(one)
             if one.evidence > max(excess * one.needed, STANDS_OUT * others) \
                     and share > EXPLAINED and self._plausible(one, excess):
-                out.append(replace(one, covariance=excess * one.covariance,
-                                   evidence=one.evidence / excess, explained=explained))
+                out.append(replace(one, covariance=excess * one.covariance, explained=explained,
+                                   evidence=one.evidence / excess,
+                                   margin=one.margin and one.margin / excess))
             else:
                 # Where bursts as strong are no disturbance, something goes on all the time.
                 others = max(others, one.evidence)

@@ -1,10 +1,12 @@
 """What acted from outside, in the words, numbers and pictures of a Diagnosis."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from . import contact, load_change
+from .confusable import CLOSE
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, Picture, SUSPECTED
 from .disturbance import TIE
 
@@ -35,27 +37,39 @@ def findings_again(robot, names, before, after, odd=()):
     Return (Findings, sentences) on Disturbances as the better model shows them.
 
     before, after: Residual and Disturbances of the model diagnosed and of the better one, on the
-    same whole recordings. The better model was fitted without these times, so it cannot have
-    learnt them; what it explains all the same is a part of something that goes on all the time,
-    and only suspected.
+    same whole recordings. The better model was fitted without these times; what is not found
+    again with it was rather a part of something that goes on all the time.
     """
     (residual, found), (cleaner, again) = before, after
-    findings, told, taken = [], [], []
+    same, findings, told = _pairs(found, again), [], []
     for one in found:
-        same = max(again, key=lambda other: _overlap(one, other), default=None)
+        if id(one) in same:
+            findings.append(_finding(robot, names, cleaner, same[id(one)], odd))
+            continue
+        findings.append(_finding(robot, names, residual, one, odd))
         # Of an arm that is held nothing is foretold (standing.py).
-        if not np.isfinite(one.evidence):
-            findings.append(_finding(robot, names, residual, one, odd))
-        elif same is None or _overlap(one, same) <= 0:
-            findings.append(replace(_finding(robot, names, residual, one, odd),
-                                    verdict=SUSPECTED))
+        if np.isfinite(one.evidence):
+            findings[-1] = replace(findings[-1], verdict=SUSPECTED)
             told.append(f'{findings[-1].recording}: {findings[-1].name}{_at(one)} is only '
-                        'suspected: the model written explains the torques of that time without '
-                        'it')
-        elif not any(same is other for other in taken):
-            taken.append(same)
-            findings.append(_finding(robot, names, cleaner, same, odd))
+                        'suspected: it is not found again with the model written')
     return tuple(findings), tuple(told)
+
+
+def _pairs(found, again):
+    """Return {id of a Disturbance of `found`: the same of `again`}; each is one's only."""
+    ranked = sorted(((_overlap(one, other), one, other) for one, other in product(found, again)
+                     if np.isfinite(one.evidence)), key=lambda row: -row[0])
+    same, taken = {}, set()
+    for overlap, one, other in ranked:
+        if overlap > 0.5 * min(_rows(one), _rows(other)) and id(one) not in same \
+                and id(other) not in taken:
+            same[id(one)] = other
+            taken.add(id(other))
+    return same
+
+
+def _rows(one):
+    return one.stop - one.first
 
 
 def _overlap(one, other):
@@ -79,7 +93,7 @@ def _finding(robot, names, residual, one, odd):
     parameters |= {name: (*moment, 's') for name, moment in
                    (('start', one.start), ('end', one.end)) if moment is not None}
     strong = np.flatnonzero(rms > SHARE * rms.max())
-    tied = one.margin is not None and one.margin < TIE
+    tied = one.margin is not None and one.margin < max(TIE, (1.0 - CLOSE) * one.evidence)
     sure = not set(strong) & set(odd)
     order = strong[np.argsort(-rms[strong])]
     joints = tuple(robot.joints[j] for j in strong)

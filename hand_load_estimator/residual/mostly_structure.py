@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .diagnosis import Evidence, Finding, SUSPECTED, UNKNOWN
+from .diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .not_named import not_named
 from .rest import rest_of
 from .unknown import strongest
@@ -23,7 +23,8 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
     """
     left = rest_of(np.where(residual.moving & (residual.weights > 0.0), rest, np.nan), residual.dt,
                    residual.messages, residual.owner)
-    told = {name for f in findings if f.name == UNKNOWN or f.recording for name in f.joints}
+    told = {name for f in findings for name in f.joints
+            if f.name == UNKNOWN or (f.recording and f.verdict == CONFIRMED)}
     follows = not_named(structure, robot.joints)
     chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trials, np.nan)
     found = []

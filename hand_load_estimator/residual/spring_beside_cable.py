@@ -17,31 +17,34 @@ _ALIKE = ('cable_drag', 'gravity_spring')
 WHOLE_TURN = 2.0 * np.pi
 
 
-def further_terms(findings, joints, residual):
+def further_terms(findings, model, residual):
     """
     Return (Findings, sentences): of a spring and a cable on one joint only one is confirmed.
 
-    joints: names (n,); residual: the Residual that was diagnosed, which tells how far each joint
-    went. The one that gains less beside the other is suspected.
+    residual: the Residual of the TorqueModel that was diagnosed, which tells how far each joint
+    went. The one that gains less beside the other is suspected, and so is one beside another that
+    the model has already.
     """
-    said = [_further_term(finding, findings, joints, residual) for finding in findings]
+    said = [_further_term(finding, findings, model, residual) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED, advice=advice(f.name, _ALIKE)) if why else f
                   for f, why in zip(findings, said)), tuple(why for why in said if why))
 
 
-def _further_term(finding, findings, joints, residual):
+def _further_term(finding, findings, model, residual):
     """Return in words why a Finding may be a further term of another, or ''."""
     if finding.verdict != CONFIRMED or finding.name not in _ALIKE:
         return ''
-    other = next((f for f in findings if f.verdict == CONFIRMED and f.name in _ALIKE
-                  and f.name != finding.name and f.joints == finding.joints
-                  and f.evidence.gain > finding.evidence.gain), None)
-    turned = _turned(residual, joints.index(finding.joints[0]))
-    if other is None or turned >= WHOLE_TURN:
+    (name,), j = finding.joints, model.robot.joints.index(finding.joints[0])
+    (other,) = set(_ALIKE) - {finding.name}
+    larger = any(f.name == other and f.joints == finding.joints
+                 and f.evidence.gain > finding.evidence.gain for f in findings)
+    declared = not finding.changed and any((use.name, use.joint) == (other, j)
+                                           for use in model.uses)
+    turned = _turned(residual, j)
+    if not (larger or declared) or turned >= WHOLE_TURN:
         return ''
-    return (f'{finding.joints[0]}: {finding.name} is only suspected: the joint went through '
-            f'{turned:.2g} rad, and over less than a whole turn it may be a further term of the '
-            f'{other.name} found there')
+    return (f'{name}: {finding.name} is only suspected: the joint went through {turned:.2g} rad, '
+            f'and over less than a whole turn it may be a further term of the {other} there')
 
 
 def _turned(residual, j):

@@ -125,6 +125,8 @@ class Together:
         if chosen.name == UNKNOWN:
             return True
         alone = finer(chosen, self._blocks, self._model, self._residual, self._warmed)
+        # How friction turns is fitted to reversals, which these blocks leave out.
+        alone = max((alone, chosen), key=lambda one: one.gain)
         beyond = ahead(both, alone)
         return beyond.gain > max(needed, EXACT ** 2 * alone.gain) and significant(beyond)
 
