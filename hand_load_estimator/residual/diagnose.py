@@ -81,10 +81,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     refitted = own and kept and bool(trace.steps or outside.found)
     old, better = _models(model, trace.steps, evidence, own and bool(outside.found), refitted)
     before, after, rest_of_test = _errors(old, better, test)
+    again = _again(model, better, recordings, whole, outside.found)
     findings, doubts = _found((model, better), residual, (trace, rest),
-                              (names, (whole, outside.found),
-                               _again(model, better, recordings, whole, outside.found)),
-                              (before, after))
+                              (names, (whole, outside.found), again), (before, after))
     findings, between, state = _beyond_recordings(findings, model, residual, evidence)
     progress('telling where the residual lives')
     structure = structures(model, better, residual, evidence, warmed)
