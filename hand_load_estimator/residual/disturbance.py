@@ -68,12 +68,10 @@ class Disturbances:
     """
     Search for Disturbances by some Causes in a Residual of a TorqueModel.
 
-    known: Disturbances that another model's Residual of the same rows shows, to be looked for
-    again and nothing else; without any, all of the recordings are searched.
-    found: tuple of Disturbance in the order of time; rows (N,) bool: in any of them.
+    found: tuple of Disturbance in the order of time.
     """
 
-    def __init__(self, model, residual, causes, known=()):
+    def __init__(self, model, residual, causes):
         self._residual, self._causes = residual, causes
         self._usual = Usual(model, residual)
         self._dt = float(np.median(residual.dt))
@@ -84,11 +82,9 @@ class Disturbances:
         step = np.broadcast_to(np.eye(n), (len(residual.dt), n, n))
         self._steps = Kind('step', step * STEP * model.robot.limits.torque[:, None],
                            np.ones(n), 0.0, 0.0, 0.0, False)
-        self.tried = max((d.tried for d in known), default=0)
-        spans = [(d.first, d.stop, d.evidence) for d in known] or self._select()
-        measured = self._measured(spans)
+        self.tried = 0
+        measured = self._measured(self._select())
         self.found = tuple(sorted(self._sure(measured), key=lambda found: found.first))
-        self.rows = self._masked([(d.first, d.stop) for d in self.found])
 
     def _select(self):
         """Return (first, stop, evidence) of what may be disturbances, the likeliest first."""
@@ -147,16 +143,8 @@ class Disturbances:
     def _seconds(self, first, stop):
         return float(self._residual.dt[first:stop].sum())
 
-    def _masked(self, spans):
-        """Return rows (N,) bool within spans (first, stop), and a little around them."""
-        more = int(round(LEFT_OUT / self._dt))
-        rows = np.zeros(len(self._residual.dt), dtype=bool)
-        for first, stop in spans:
-            rows[max(first - more, 0):stop + more] = True
-        return rows
-
     def _leave_out(self, spans):
-        rows = self._masked([span[:2] for span in spans])
+        rows = around(self._residual, [span[:2] for span in spans])
         self._usual.fit(np.where(rows[:, None], 0.0, self._residual.weights))
 
     def _measured(self, spans):
@@ -271,6 +259,15 @@ class Disturbances:
 def _inside(span, one):
     """Tell whether a Disturbance covers most of a span (first, stop, ...)."""
     return min(span[1], one.stop) - max(span[0], one.first) > 0.5 * (span[1] - span[0])
+
+
+def around(residual, spans):
+    """Return the rows (N,) bool of a Residual within spans (first, stop) and a little around."""
+    more = int(round(LEFT_OUT / float(np.median(residual.dt))))
+    rows = np.zeros(len(residual.dt), dtype=bool)
+    for first, stop in spans:
+        rows[max(first - more, 0):stop + more] = True
+    return rows
 
 
 def undisturbed(evidence, rows, share=(0.0, 1.0)):

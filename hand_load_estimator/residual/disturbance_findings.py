@@ -32,17 +32,18 @@ def disturbance_findings(robot, names, residual, found, odd=()):
     return tuple(_finding(robot, names, residual, one, odd) for one in found)
 
 
-def findings_again(robot, names, before, after, odd=()):
+def findings_again(robot, names, shown, better, odd=()):
     """
     Return (Findings, sentences) on Disturbances as the better model shows them.
 
-    before, after: Residual and Disturbances of the model diagnosed and of the better one, on the
-    same whole recordings. The better model was fitted without these times; what is not found
-    again with it was rather a part of something that goes on all the time.
+    shown: pairs of a Residual and a Disturbance in it, each of a model without something; better:
+    Residual and Disturbances of the better model on the same whole recordings. That model was
+    fitted without these times; what is not found again with it was rather a part of something
+    that goes on all the time.
     """
-    (residual, found), (cleaner, again) = before, after
-    same, findings, told = _pairs(found, again), [], []
-    for one in found:
+    cleaner, again = better
+    same, findings, told = _pairs([one for _, one in shown], again), [], []
+    for residual, one in shown:
         if id(one) in same:
             findings.append(_finding(robot, names, cleaner, same[id(one)], odd))
             continue

@@ -1,10 +1,13 @@
 """What recordings cannot tell, said before anything is concluded from them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..effects import NEEDS_TEMPERATURE
 from ..errors import RecordingError
 from .another_robot import refuse_another_robot
+from .find import find_residual
 from .standing import POSE
 from .time_left import names, refuse_too_short
 
@@ -66,6 +69,15 @@ def still_joints(model, evidence):
                     & (np.ptp(e.motion.q, axis=0) >= POSE) for e in evidence], axis=0)
     return {int(j): f'cannot tell friction, ripple or cables of {model.robot.joints[j]} because '
             'it never moves in what is diagnosed' for j in np.flatnonzero(~moves)}
+
+
+def usable_residual(model, evidence):
+    """Return (Residual without joints that never move, still_joints)."""
+    still = still_joints(model, evidence)
+    residual = find_residual(model, evidence)
+    weights = residual.weights.copy()
+    weights[:, list(still)] = 0.0
+    return replace(residual, weights=weights), still
 
 
 def too_little_gained(robot, candidates, needed, joints):

@@ -6,7 +6,7 @@ describes that. But it cannot be more. What differs from the model by more than 
 from outside.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,14 +26,6 @@ LEAST_FRICTION = 0.03
 EXPLAINED = 0.9
 # Friction leaves little to tell a force by: what it may be is as wide as for people that lean.
 WIDER = 3.0
-
-
-@dataclass(frozen=True)
-class Outside:
-    """What acted from outside: found, a tuple of Disturbance; rows (N,) bool: in any of them."""
-
-    found: tuple
-    rows: np.ndarray
 
 
 def is_held(evidence):
@@ -59,16 +51,6 @@ class Standing:
         self._held = [k for k, e in enumerate(evidence) if is_held(e)]
         for k in self._held:
             self._look_at(k, evidence[k], np.flatnonzero(residual.owner == k))
-
-    def beside(self, disturbances):
-        """Return the Outside of Disturbances in motion and of these while the arm is held."""
-        moving = tuple(d for d in disturbances.found if d.owner not in self._held)
-        found = sorted((*moving, *self.found), key=lambda one: one.first)
-        rows = disturbances.rows.copy()
-        more = int(round(LEFT_OUT / np.median(self._residual.dt)))
-        for one in self.found:
-            rows[max(one.first - more, 0):one.stop + more] = True
-        return Outside(tuple(found), rows)
 
     def _look_at(self, k, evidence, rows):
         self.torque[rows] = evidence.torque - _at_rest(self._model, evidence.motion)

@@ -1,0 +1,115 @@
+"""Recordings without what acted from outside, traced: the Trace and the models to compare."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..identification import prior
+from .add import better_model
+from .find import Residual
+from .known_recordings import made_from
+from .limits import refuse_the_useless, usable_residual, warmed_joints
+from .outside import outside_again, outside_of
+from .time_left import refuse_too_short
+from .trace import Trace
+from .unknown import left_over
+
+# Times that recordings are traced again without what only the better model has shown.
+AGAIN = 2
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """
+    What a trace says of the parts of recordings in which nothing acted from outside.
+
+    evidence, test: Evidence fitted and tested on; residual: of evidence by the model diagnosed;
+    still: {joint index: why it tells nothing}; warmed: indices of joints whose temperature changed
+    enough, and sentences on the others; rest (N, n) [Nm]: what the trace leaves; old, better:
+    TorqueModels to compare with, and with what was found; refitted: whether old was fitted
+    without the test.
+    """
+
+    evidence: tuple
+    test: tuple
+    residual: Residual
+    still: dict
+    warmed: tuple
+    trace: Trace
+    rest: np.ndarray
+    old: object
+    better: object
+    refitted: bool
+
+
+def explanation(model, recordings, whole, test, progress):
+    """
+    Return (Outside, Explanation, Residual and Disturbances that its better model shows).
+
+    recordings, test: Evidence; whole: Residual of the whole recordings by a TorqueModel. A push
+    that a strong effect hid shows once that effect is known: what is new then is left out, too,
+    and the rest traced once more. Raises RecordingError where too little time is left.
+    """
+    progress('looking for contacts and changes of the load')
+    outside = outside_of(model, recordings, whole)
+    explained = _explained(model, recordings, whole, outside, test, progress)
+    again = _again(model, explained.better, recordings, (whole, outside.found))
+    for _ in range(AGAIN):
+        news = outside.hidden(recordings, again[1])
+        if not news:
+            break
+        progress('once more without what the better model shows from outside')
+        outside = outside.joined(again[0], news)
+        explained = _explained(model, recordings, whole, outside, test, progress)
+        again = _again(model, explained.better, recordings, again)
+    return outside, explained, again
+
+
+def _again(model, better, recordings, before):
+    """Return Residual and Disturbances of whole recordings by a better TorqueModel."""
+    return before if better is model else outside_again(better, recordings)
+
+
+def _explained(model, recordings, whole, outside, test, progress):
+    evidence, tested = outside.parts(recordings, whole, test)
+    refuse_too_short(evidence, recordings, whole, outside.found)
+    refuse_the_useless(model, evidence)
+    warmed = warmed_joints(model, evidence)
+    progress('computing the residual')
+    residual, still = usable_residual(model, evidence)
+    own = made_from(model, evidence)
+    trace = _traced(model, residual, warmed[0], own, progress)
+    progress('estimating everything together')
+    misled = own and bool(outside.found)
+    refitted = own and not test and bool(trace.steps or outside.found)
+    old, better = _models(model, trace.steps, evidence, misled, refitted)
+    return Explanation(evidence, tested, residual, still, warmed, trace,
+                       left_over(model.robot, trace.blocks), old, better, refitted)
+
+
+def _traced(model, residual, warmed, own, progress):
+    """Return the Trace, done."""
+    trace = Trace(model, residual, warmed, _root(model) if own else None, progress)
+    trace.run()
+    trace.keep_what_still_gains()
+    return trace
+
+
+def _root(model):
+    """Return the square root (P, P) of what parameters may be before any recording."""
+    return np.sqrt(prior(model.robot, model.uses, model.links_declared)[1])
+
+
+def _models(model, steps, evidence, misled, seen):
+    """
+    Return TorqueModels: to compare with, and with what was found.
+
+    misled: whether the model took what acted from outside for the arm's own; seen: whether it was
+    made from what is now kept for the test.
+    """
+    if not steps and not misled:
+        return model, model
+    # Where another is written both are fitted without the test; else the error told is that of
+    # the model written.
+    old = better_model(model, (), evidence) if seen else model
+    return old, better_model(model, steps, evidence)
