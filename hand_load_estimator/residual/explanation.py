@@ -52,8 +52,9 @@ def explanation(model, recordings, whole, test, progress):
     """
     progress('looking for contacts and changes of the load')
     outside = outside_of(model, recordings, whole)
+    as_it_was = whole, outside.found
     explained = _explained(model, recordings, whole, outside, test, progress)
-    again = _again(model, explained.better, recordings, (whole, outside.found))
+    again = _again(model, explained.better, recordings, as_it_was)
     for _ in range(AGAIN):
         news = outside.hidden(recordings, again[1])
         if not news:
@@ -61,13 +62,14 @@ def explanation(model, recordings, whole, test, progress):
         progress('once more without what the better model shows from outside')
         outside = outside.joined(again[0], news)
         explained = _explained(model, recordings, whole, outside, test, progress)
-        again = _again(model, explained.better, recordings, again)
+        # Where nothing else is left to find, what only another model showed is not seen again.
+        again = _again(model, explained.better, recordings, as_it_was)
     return outside, explained, again
 
 
-def _again(model, better, recordings, before):
+def _again(model, better, recordings, as_it_was):
     """Return Residual and Disturbances of whole recordings by a better TorqueModel."""
-    return before if better is model else outside_again(better, recordings)
+    return as_it_was if better is model else outside_again(better, recordings)
 
 
 def _explained(model, recordings, whole, outside, test, progress):
