@@ -13,6 +13,7 @@ from hand_load_estimator.evidence import recording_numbers
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
+from hand_load_estimator.residual import explanation
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.disturbance import undisturbed
@@ -240,6 +241,52 @@ def test_a_push_that_a_strong_effect_hides_is_found_with_the_better_model():
     assert (np.abs(better.mean - alone.mean) <= std).all()
     # Nothing is left out of recordings given for the test.
     assert diagnosis.left_out == 0.0
+
+
+def test_a_part_of_a_push_that_shows_as_a_whole_later_is_told_once():
+    evidence = pushed(slice(300, 400))
+    residual = find_residual(declared_model(), evidence)
+    (whole,) = found_in(evidence)[0].found
+    part = replace(whole, first=340, stop=360)
+    known = replace(found_in(recorded())[0], shown=((residual, part),))
+    assert known.hidden(evidence, (whole,)) == (whole,)
+    both = known.joined(residual, (whole,))
+    assert both.found == (whole,) and both.rows[300:400].all()
+    # What only touches it stays.
+    beside = replace(whole, first=390, stop=440)
+    known = replace(known, shown=((residual, beside),))
+    assert known.joined(residual, (whole,)).found == (whole, beside)
+
+
+def test_what_could_not_be_left_out_is_said(monkeypatch):
+    """Of a single recording too short without its push, and of a search that has ended."""
+    short = pushed(slice(150, 340), 0.5 * FORCE, evidence=recorded(on(2, 20.0, ripple)))[0]
+    short = replace(short, torque=short.torque[:500], motion=short.motion.part(slice(500)))
+    long = pushed(slice(300, 400), 0.5 * FORCE, evidence=recorded(on(2, 20.0, ripple)))
+    diagnosis, _ = diagnose(declared_model(), [short])
+    (said,) = [text for text in diagnosis.cannot_tell if 'external_contact' in text]
+    assert 's are left to diagnose, of 4.8 s' in said and 'run 0 at 3.0 s' in said
+    assert [f.name for f in diagnosis.findings if f.recording] == []
+    monkeypatch.setattr(explanation, 'AGAIN', 0)
+    diagnosis, _ = diagnose(declared_model(), long[:-1], long[-1:])
+    (said,) = [text for text in diagnosis.cannot_tell if 'external_contact' in text]
+    assert 'run 0 at 6.0 s' in said and 'because the search ends' in said
+
+
+def test_what_only_a_discarded_model_showed_is_only_suspected(monkeypatch):
+    """As if nothing but the push had been the effect."""
+    evidence = pushed(slice(300, 400), 0.5 * FORCE, evidence=recorded(on(2, 20.0, ripple)))
+    explained, calls = explanation._explained, []
+
+    def no_better_without_it(model, *arguments):
+        calls.append(explained(model, *arguments))
+        return replace(calls[-1], better=model) if len(calls) > 1 else calls[-1]
+    monkeypatch.setattr(explanation, '_explained', no_better_without_it)
+    found = explanation.explain(declared_model(), evidence, (), lambda text: None)
+    assert len(calls) == 2 and len(found.outside.found) == 1
+    (finding,), told = findings_again(declared_model().robot, [e.name for e in evidence],
+                                      found.outside.shown, found.seen)
+    assert finding.verdict == SUSPECTED and len(told) == 1
 
 
 def test_a_push_in_what_is_kept_for_the_test_is_left_out_of_it():

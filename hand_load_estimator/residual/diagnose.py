@@ -12,15 +12,14 @@ from .another_state import of_another_state
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .disturbance_findings import findings_again
-from .explanation import explanation
+from .explanation import explain
 from .few_temperatures import between_two_temperatures
 from .find import find_residual
 from .findings import findings_of, refuted
 from .folds import only_suspected, repeated
 from .impossible import on_wrong_footing
 from .known_recordings import known_by_name_only, known_names
-from .limits import (refuse_the_useless, slow_joint_states, still_joints, too_little_gained,
-                     usable_residual)
+from .limits import refuse_the_useless, slow_joint_states, still_joints, too_little_gained
 from .mostly_structure import mostly_structure
 from .not_named import sentences_on
 from .odd_recording import odd_recordings
@@ -51,19 +50,18 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     if only_stands(evidence):
         return diagnose_standing(model, evidence, lambda: time.monotonic() - began), model
     refuse_the_useless(model, evidence)
-    whole, _ = usable_residual(model, evidence)
-    outside, ex, again = explanation(model, evidence, whole, test, progress)
-    told = _of_recordings(model.robot, evidence, test, whole, outside)
+    ex = explain(model, evidence, test, progress)
+    told = _of_recordings(model.robot, evidence, test, ex)
     seen = known_names(model, evidence if kept else test)
     by_name = known_by_name_only(model, [*evidence, *test])
-    left_out = outside.left_out(evidence, whole) if kept else 0.0
+    left_out = ex.outside.left_out(evidence, ex.whole) if kept else 0.0
     names = tuple(e.name for e in evidence)
     before, after, rest_of_test = _errors(ex.old, ex.better, ex.test)
-    findings, doubts = _found(model, ex, (names, outside.shown, again), (before, after))
+    findings, doubts = _found(model, ex, names, (before, after))
     findings, between, state = _beyond_recordings(findings, model, ex)
     progress('telling where the residual lives')
     structure = structures(model, ex.better, ex.residual, ex.evidence, ex.warmed[0])
-    cannot = [*state, *by_name, *told, *ex.warmed[1], *slow_joint_states(ex.evidence),
+    cannot = [*state, *by_name, *told, *ex.unused, *ex.warmed[1], *slow_joint_states(ex.evidence),
               *ex.still.values(), *_unfinished(ex.trace),
               *repeated(ex.residual.cut, ex.evidence, ex.test),
               *odd_recordings(model, ex.evidence, lambda parts: _sliding(ex.better, parts)),
@@ -82,24 +80,23 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         another_state=bool(state)), correction), ex.better
 
 
-def _of_recordings(robot, evidence, test, whole, outside):
+def _of_recordings(robot, evidence, test, ex):
     """Return sentences on what recordings are like, and how much of them says nothing."""
-    return [*long_loads(evidence, whole, outside.found), *many_rejected(evidence),
+    return [*long_loads(evidence, ex.whole, ex.outside.found), *many_rejected(evidence),
             *clipped_efforts(robot, [*evidence, *test])]
 
 
-def _found(model, ex, outside, errors):
+def _found(model, ex, names, errors):
     """
     Return Findings with the verdicts that hold, and sentences on why some do not.
 
-    ex: Explanation; outside: names of recordings, what Outside.shown is, Residual of the whole
-    recordings and Disturbances by the better model; errors: RMSE (n,) [Nm] of both models on the
+    ex: Explanation of recordings with these names; errors: RMSE (n,) [Nm] of both models on the
     test.
     """
     better, trace, joints = ex.better, ex.trace, model.robot.joints
     left = unexplained_joints(ex.residual, ex.rest)
     odd = left + trace.unexplained()
-    once, gone = findings_again(model.robot, *outside, odd)
+    once, gone = findings_again(model.robot, names, ex.outside.shown, ex.seen, odd)
     findings = findings_of(model, better, trace, odd) + once \
         + unknown_left(model, ex.residual, ex.rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)

@@ -1,4 +1,4 @@
-"""Disturbances: what acts on the arm from outside for a time, found before the trace."""
+"""Disturbances: what acts on the arm from outside for a time."""
 
 from dataclasses import dataclass, replace
 
@@ -157,7 +157,7 @@ class Disturbances:
             one = self._one(*span[:2], [*((d.first, d.stop) for d in found), *apart])
             if one is not None:
                 found.append(one)
-                left = [other for other in left if not _inside(other, one)]
+                left = [other for other in left if not inside(*other[:2], one)]
         return found
 
     def _touch(self, span, other):
@@ -256,9 +256,9 @@ class Disturbances:
         return theta * kind.scale, covariance * np.outer(kind.scale, kind.scale)
 
 
-def _inside(span, one):
-    """Tell whether a Disturbance covers most of a span (first, stop, ...)."""
-    return min(span[1], one.stop) - max(span[0], one.first) > 0.5 * (span[1] - span[0])
+def inside(first, stop, one):
+    """Tell whether a Disturbance covers most of the rows first..stop."""
+    return min(stop, one.stop) - max(first, one.first) > 0.5 * (stop - first)
 
 
 def around(residual, spans):

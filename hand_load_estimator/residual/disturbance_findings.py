@@ -51,7 +51,7 @@ def findings_again(robot, names, shown, better, odd=()):
         # Of an arm that is held nothing is foretold (standing.py).
         if np.isfinite(one.evidence):
             findings[-1] = replace(findings[-1], verdict=SUSPECTED)
-            told.append(f'{findings[-1].recording}: {findings[-1].name}{_at(one)} is only '
+            told.append(f'{findings[-1].recording}: {findings[-1].name}{at(one)} is only '
                         'suspected: it is not found again with the model written')
     return tuple(findings), tuple(told)
 
@@ -78,7 +78,8 @@ def _overlap(one, other):
     return min(one.stop, other.stop) - max(one.first, other.first)
 
 
-def _at(one):
+def at(one):
+    """Return when a Disturbance began, in words, or '' where it was there from the start."""
     return f' at {one.start[0]:.1f} s' if one.start else ''
 
 

@@ -1,15 +1,17 @@
 """Recordings without what acted from outside, traced: the Trace and the models to compare."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import RecordingError
 from ..identification import prior
 from .add import better_model
+from .disturbance_findings import at
 from .find import Residual
 from .known_recordings import made_from
 from .limits import refuse_the_useless, usable_residual, warmed_joints
-from .outside import outside_again, outside_of
+from .outside import Outside, outside_again, outside_of
 from .time_left import refuse_too_short
 from .trace import Trace
 from .unknown import left_over
@@ -23,13 +25,17 @@ class Explanation:
     """
     What a trace says of the parts of recordings in which nothing acted from outside.
 
+    whole: Residual of the whole recordings by the model diagnosed; outside: Outside left out;
     evidence, test: Evidence fitted and tested on; residual: of evidence by the model diagnosed;
     still: {joint index: why it tells nothing}; warmed: indices of joints whose temperature changed
     enough, and sentences on the others; rest (N, n) [Nm]: what the trace leaves; old, better:
     TorqueModels to compare with, and with what was found; refitted: whether old was fitted
-    without the test.
+    without the test; seen: Residual of the whole recordings by the better model and Disturbances
+    in it; unused: sentences on those that were not left out.
     """
 
+    whole: Residual
+    outside: Outside
     evidence: tuple
     test: tuple
     residual: Residual
@@ -40,39 +46,51 @@ class Explanation:
     old: object
     better: object
     refitted: bool
+    seen: tuple
+    unused: tuple = ()
 
 
-def explanation(model, recordings, whole, test, progress):
+def explain(model, recordings, test, progress):
     """
-    Return (Outside, Explanation, Residual and Disturbances that its better model shows).
+    Return the Explanation of recordings, Evidence each, by a TorqueModel; test: Evidence given.
 
-    recordings, test: Evidence; whole: Residual of the whole recordings by a TorqueModel. A push
-    that a strong effect hid shows once that effect is known: what is new then is left out, too,
-    and the rest traced once more. Raises RecordingError where too little time is left.
+    A push that a strong effect hid shows once that effect is known: what is new then is left out,
+    too, and the rest traced once more. Raises RecordingError where too little time is left at
+    first.
     """
     progress('looking for contacts and changes of the load')
-    outside = outside_of(model, recordings, whole)
-    as_it_was = whole, outside.found
-    explained = _explained(model, recordings, whole, outside, test, progress)
-    again = _again(model, explained.better, recordings, as_it_was)
+    whole, _ = usable_residual(model, recordings)
+    first = outside_of(model, recordings, whole)
+
+    def explained(outside):
+        parts = _explained(model, recordings, whole, outside, test, progress)
+        # Where nothing else is found, what only another model showed is not seen again.
+        return replace(parts, seen=(whole, first.found) if parts.better is model
+                       else outside_again(parts.better, recordings))
+    found, why = explained(first), f'the search ends after {AGAIN + 1} times'
     for _ in range(AGAIN):
-        news = outside.hidden(recordings, again[1])
+        news = _news(found, recordings)
         if not news:
             break
         progress('once more without what the better model shows from outside')
-        outside = outside.joined(again[0], news)
-        explained = _explained(model, recordings, whole, outside, test, progress)
-        # Where nothing else is left to find, what only another model showed is not seen again.
-        again = _again(model, explained.better, recordings, as_it_was)
-    return outside, explained, again
+        try:
+            found = explained(found.outside.joined(found.seen[0], news))
+        except RecordingError as error:
+            why = f'without it {error}'
+            break
+    return replace(found, unused=tuple(
+        f'cannot tell what the model written would be without the {one.cause.kind.name} that it '
+        f'shows in {recordings[one.owner].name}{at(one)} because {why}; diagnose again with the '
+        'model written, or with more recordings' for one in _news(found, recordings)))
 
 
-def _again(model, better, recordings, as_it_was):
-    """Return Residual and Disturbances of whole recordings by a better TorqueModel."""
-    return as_it_was if better is model else outside_again(better, recordings)
+def _news(found, recordings):
+    """Return the Disturbances that the better model alone shows."""
+    return found.outside.hidden(recordings, found.seen[1])
 
 
 def _explained(model, recordings, whole, outside, test, progress):
+    """Return the Explanation of recordings without an Outside, as yet with nothing `seen`."""
     evidence, tested = outside.parts(recordings, whole, test)
     refuse_too_short(evidence, recordings, whole, outside.found)
     refuse_the_useless(model, evidence)
@@ -85,8 +103,8 @@ def _explained(model, recordings, whole, outside, test, progress):
     misled = own and bool(outside.found)
     refitted = own and not test and bool(trace.steps or outside.found)
     old, better = _models(model, trace.steps, evidence, misled, refitted)
-    return Explanation(evidence, tested, residual, still, warmed, trace,
-                       left_over(model.robot, trace.blocks), old, better, refitted)
+    return Explanation(whole, outside, evidence, tested, residual, still, warmed, trace,
+                       left_over(model.robot, trace.blocks), old, better, refitted, ())
 
 
 def _traced(model, residual, warmed, own, progress):
@@ -102,16 +120,16 @@ def _root(model):
     return np.sqrt(prior(model.robot, model.uses, model.links_declared)[1])
 
 
-def _models(model, steps, evidence, misled, seen):
+def _models(model, steps, evidence, misled, refitted):
     """
     Return TorqueModels: to compare with, and with what was found.
 
-    misled: whether the model took what acted from outside for the arm's own; seen: whether it was
-    made from what is now kept for the test.
+    misled: whether the model took what acted from outside for the arm's own; refitted: whether it
+    was made from what is now kept for the test.
     """
     if not steps and not misled:
         return model, model
     # Where another is written both are fitted without the test; else the error told is that of
     # the model written.
-    old = better_model(model, (), evidence) if seen else model
+    old = better_model(model, (), evidence) if refitted else model
     return old, better_model(model, steps, evidence)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .contact import contact
-from .disturbance import around, Disturbances, undisturbed
+from .disturbance import around, Disturbances, inside, undisturbed
 from .limits import usable_residual
 from .load_change import load_change
 from .standing import is_held, Standing
@@ -40,7 +40,10 @@ class Outside:
 
     def joined(self, residual, found):
         """Return the Outside with Disturbances in a Residual of the same rows, too."""
-        shown = sorted((*self.shown, *((residual, one) for one in found)),
+        # What is mostly inside a new one was a part of it.
+        apart = [pair for pair in self.shown if not any(
+            inside(pair[1].first, pair[1].stop, one) for one in found)]
+        shown = sorted((*apart, *((residual, one) for one in found)),
                        key=lambda pair: pair[1].first)
         return Outside(tuple(shown), self.rows | around(
             residual, [(one.first, one.stop) for one in found]))

@@ -48,9 +48,9 @@ class Standing:
                                 LEAST_FRICTION * model.robot.limits.torque)
         self.torque = np.zeros_like(residual.residual)
         self.found = ()
-        self._held = [k for k, e in enumerate(evidence) if is_held(e)]
-        for k in self._held:
-            self._look_at(k, evidence[k], np.flatnonzero(residual.owner == k))
+        for k, e in enumerate(evidence):
+            if is_held(e):
+                self._look_at(k, e, np.flatnonzero(residual.owner == k))
 
     def _look_at(self, k, evidence, rows):
         self.torque[rows] = evidence.torque - _at_rest(self._model, evidence.motion)

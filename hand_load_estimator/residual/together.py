@@ -121,7 +121,7 @@ class Together:
         return beyond.gain > needed and significant(beyond)
 
     def _beyond_form(self, both, chosen, needed):
-        """Tell whether two explain more than one does with its finer form, which is never exact."""
+        """Tell whether two explain more than the finer form of one does, never exact itself."""
         if chosen.name == UNKNOWN:
             return True
         alone = finer(chosen, self._blocks, self._model, self._residual, self._warmed)
