@@ -23,6 +23,7 @@ from hand_load_estimator.residual.unfounded import (EXACT, faint_in, of_another_
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)
+INTERVAL = 0.002
 
 
 def finding(name, parameters, joints=JOINTS[1:2], **keywords):
@@ -35,7 +36,7 @@ def finding(name, parameters, joints=JOINTS[1:2], **keywords):
     (0.33, 0.4, True), (0.55, 0.2, True), (1.6, 0.1, False)])
 def test_a_share_of_a_delay_is_no_delay(share, std, whole):
     given = finding('time_delay', {'share': (share, std, '-'), 'delay': (0.01, 1e-3, 's')})
-    (found,), told = of_another_kind((given,))
+    (found,), told = of_another_kind((given,), INTERVAL)
     assert found.verdict == (CONFIRMED if whole else SUSPECTED)
     assert [text.split(':')[0] for text in told] == [JOINTS[1]] * (not whole)
 
@@ -43,11 +44,23 @@ def test_a_share_of_a_delay_is_no_delay(share, std, whole):
 def test_a_share_counts_at_every_joint():
     given = finding('time_delay', {f'share ({JOINTS[0]})': (1.0, 0.01, '-'),
                                    f'share ({JOINTS[1]})': (0.2, 0.01, '-')}, JOINTS[:2])
-    (found,), (told,) = of_another_kind((given,))
+    (found,), (told,) = of_another_kind((given,), INTERVAL)
     assert found.verdict == SUSPECTED
     assert told == (f'{JOINTS[0]}, {JOINTS[1]}: time_delay is only suspected: all of the torque '
                     'would come late, but the model written delays 0.2 ± 0.02 of it (two '
                     'standard deviations)')
+
+
+@pytest.mark.parametrize('delay, joints, sure', [
+    (0.45 * INTERVAL, 1, False), (0.55 * INTERVAL, 1, True), (0.45 * INTERVAL, 4, True)])
+def test_one_joint_comes_no_part_of_an_interval_later_than_others(delay, joints, sure):
+    given = finding('time_delay', {'share': (1.0, 0.01, '-'), 'delay': (delay, 1e-5, 's')},
+                    JOINTS[:joints])
+    (found,), told = of_another_kind((given,), INTERVAL)
+    assert found.verdict == (CONFIRMED if sure else SUSPECTED)
+    assert told == () if sure else told == (
+        f'{JOINTS[0]}: time_delay is only suspected: 0.9 ms is less than half of the 2 ms '
+        'between two joint states, and other joints come in time',)
 
 
 @pytest.mark.parametrize('name, shape', [('stribeck_friction', 'stribeck_velocity'),
@@ -55,7 +68,7 @@ def test_a_share_counts_at_every_joint():
 def test_a_peak_below_all_motion_is_known_by_its_tail_only(name, shape):
     seen, below = (finding(name, {'level': (6.0, 0.1, 'Nm'), shape: (velocity, 1e-3, 'rad/s')})
                    for velocity in (1.2 * SLOWEST, SLOWEST))
-    found, (told,) = of_another_kind((seen, below))
+    found, (told,) = of_another_kind((seen, below), INTERVAL)
     assert [f.verdict for f in found] == [CONFIRMED, SUSPECTED]
     assert told.startswith(f'{JOINTS[1]}: {name} is only suspected: its {shape} is at or below')
     # No search goes further.
@@ -70,7 +83,7 @@ def test_a_peak_below_all_motion_is_known_by_its_tail_only(name, shape):
 def test_what_reaches_the_end_of_its_range_may_be_another_effect(name, shape, most):
     seen, at_end = (finding(name, {'level': (6.0, 0.1, 'Nm'), shape: (value, 0.1, 'rad')})
                     for value in (0.8 * most, most))
-    found, (told,) = of_another_kind((seen, at_end))
+    found, (told,) = of_another_kind((seen, at_end), INTERVAL)
     assert [f.verdict for f in found] == [CONFIRMED, SUSPECTED]
     assert told.startswith(f'{JOINTS[1]}: {name} is only suspected: its {shape} is at or above')
     assert EFFECTS[name].bounded({shape: 2.0 * most}) == {shape: most}
@@ -84,7 +97,7 @@ def test_what_is_nothing_beside_everything_else_is_only_suspected(traced, share,
     found = faint_in(model, replace(model, mean=mean), trace)
     assert found == ({('viscous_friction', JOINTS[1:2])} if faint else set())
     given = finding('viscous_friction', {'coefficient': (1.0, 0.1, 'Nm s/rad')})
-    (said,), told = of_another_kind((given,), found)
+    (said,), told = of_another_kind((given,), INTERVAL, found)
     assert said.verdict == (SUSPECTED if faint else CONFIRMED)
     assert [text.partition(' is only')[0] for text in told] == [
         f'{JOINTS[1]}: viscous_friction'] * faint

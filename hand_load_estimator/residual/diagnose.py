@@ -100,7 +100,8 @@ def _found(model, ex, names, errors):
     findings = findings_of(model, better, trace, odd) + once \
         + unknown_left(model, ex.residual, ex.rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
-    findings, kinds = of_another_kind(findings, faint_in(model, better, trace))
+    findings, kinds = of_another_kind(findings, float(np.median(ex.residual.dt)),
+                                      faint_in(model, better, trace))
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)
     findings, small = small_beside_others(findings)

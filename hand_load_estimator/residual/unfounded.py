@@ -2,11 +2,11 @@
 Effects that the model written holds with figures which are none of what they are called.
 
 A hypothesis is asked what physics allows of it; estimated together with everything else its
-figures may become others. A share of a delay is no delay, and a peak of friction below the slowest
-motion that tells friction is known by its tail only, one that has not fallen at the fastest is a
-level. What was found beside the torque of the model as it was, late or misread, may be nothing
-beside the torque as it is; and what is small beside another a rest that the formula of that
-leaves.
+figures may become others. A share of a delay is no delay; nor is half of the time between two
+joint states, which come for all joints at once. A peak of friction below the slowest motion that
+tells friction is known by its tail only, one that has not fallen at the fastest is a level. What
+was found beside the torque of the model as it was, late or misread, may be nothing beside the
+torque as it is; and what is small beside another a rest that the formula of that leaves.
 """
 
 from dataclasses import replace
@@ -28,18 +28,19 @@ CERTAIN = 0.68
 ROUNDING = 1e-9
 
 
-def of_another_kind(findings, faint=()):
+def of_another_kind(findings, interval, faint=()):
     """
     Return (Findings, sentences): suspected is what has figures of no such effect, or of none.
 
-    faint: (name, joints) of what the better model hardly holds (faint_in).
+    interval [s]: between joint states; faint: (name, joints) of what the better model hardly
+    holds (faint_in).
     """
-    said = [_why(finding) or _nothing(finding, faint) for finding in findings]
+    said = [_why(finding, interval) or _nothing(finding, faint) for finding in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if why else f for f, why in zip(findings, said)),
             tuple(why for why in said if why))
 
 
-def _why(finding):
+def _why(finding, interval):
     """Return in words why a Finding is not what it is called, or an empty string."""
     if finding.verdict != CONFIRMED or finding.name not in EFFECTS:
         return ''
@@ -51,6 +52,11 @@ def _why(finding):
             return (f'{joints}: time_delay is only suspected: all of the torque would come late, '
                     f'but the model written delays {mean:.3g} ± {2.0 * std:.2g} of it (two '
                     'standard deviations)')
+        if finding.name == LATE and plain == 'delay' and len(finding.joints) == 1 \
+                and mean < 0.5 * interval:
+            return (f'{joints}: time_delay is only suspected: {1e3 * mean:.2g} ms is less than '
+                    f'half of the {1e3 * interval:.2g} ms between two joint states, and other '
+                    'joints come in time')
         if any(s.name == plain and mean <= s.least for s in EFFECTS[finding.name].shapes
                if s.unit == 'rad/s'):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or below '
