@@ -8,7 +8,7 @@ from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
-from .rest_watch import RestWatch
+from .rest_watch import NOTHING, RestWatch, SEVERAL
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -51,15 +51,15 @@ class Bayes(Watching):
                                                    self._regression.posterior)
         self.innovation, self.spread = innovation, spread
         contact = self._gate.update(prediction, innovation, torque, sample.dt)
-        changed = self._rest.update(sample, innovation, spread, prediction.friction)
-        if changed:
+        beyond = self._rest.update(sample, innovation, spread, prediction.friction)
+        if beyond != NOTHING:
             contact = self._gate.refuses(prediction, innovation, torque)
         self.refused = contact
         if contact:
             if self._gate.reason and self._regression.take_back(sample.stamp):
                 self._known = self._regression.known()
             return self.belief()
-        if changed:
+        if beyond == SEVERAL:
             self._regression.begin_anew(sample.stamp)
             self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)

@@ -21,7 +21,7 @@ from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression, MOVING
-from .rest_watch import RestWatch
+from .rest_watch import NOTHING, RestWatch, SEVERAL
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -141,13 +141,13 @@ class Lstm(Watching):
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         contact = self._gate.update(prediction, load[0], load[2], sample.dt)
-        changed = self._rest.update(sample, *load[:2], prediction.friction)
-        if changed:
+        beyond = self._rest.update(sample, *load[:2], prediction.friction)
+        if beyond != NOTHING:
             contact = self._gate.refuses(prediction, load[0], load[2])
         if contact:
             self._take_back(sample.stamp)
             return self.belief()
-        if changed:
+        if beyond == SEVERAL:
             self._plain.begin_anew(sample.stamp)
             self._learned.begin_anew(sample.stamp)
             self._restart()
