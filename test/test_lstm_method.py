@@ -1,5 +1,6 @@
 """The LSTM as a method: beside Bayes, with its calibration, through changes, resets, restarts."""
 
+from copy import copy
 from dataclasses import replace
 
 from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
@@ -31,6 +32,13 @@ def loud(tmp_path_factory, robot):
     return loud_network(tmp_path_factory.mktemp('loud'), robot)
 
 
+def doubtful(model, doubt):
+    """Return a TorqueModel of an arm whose torque constants may be off by a share."""
+    robot = copy(model.robot)
+    robot.effort = replace(robot.effort, torque_constants_std=doubt)
+    return replace(model, robot=robot)
+
+
 def test_a_network_that_says_nothing_is_bayes(silent):
     model = exact_model('four')
     stream = messages(model, block(2.0), 4.0)
@@ -39,6 +47,41 @@ def test_a_network_that_says_nothing_is_bayes(silent):
     for one, other in zip(plain[::10], ours[::10]):
         np.testing.assert_allclose(one.mean, other.mean, atol=1e-6)
         np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-4, atol=1e-12)
+
+
+@pytest.mark.parametrize('doubt, near', [(0.0, 1e-5), (0.05, 0.02)])
+def test_a_network_trained_beside_temperatures_is_not_asked_without_them(loud, doubt, near):
+    """
+    Nor with some of them; one that was trained without any is.
+
+    The residuals behind it are counted without the doubt about torque constants.
+    """
+    model = doubtful(exact_model('four'), doubt)
+    network, artefact = loud
+    stream = messages(model, block(2.0), 3.0)
+    plain, ours, knows = pipeline_of(model), pipeline_with(model, artefact), pipeline_with(
+        model, replace(artefact, card={**artefact.card, 'temperatures': False}))
+    for pipeline in (plain, ours, knows):
+        pipeline.temperature_reading(model.robot.joints[0], 25.0)
+    plain, ours, knows = (feed(pipeline, stream) for pipeline in (plain, ours, knows))
+    for one, other in zip(plain[::10], ours[::10]):
+        assert (np.abs(one.mean - other.mean) < near * one.std).all()
+        np.testing.assert_allclose(one.std, other.std, rtol=near)
+    assert np.abs(knows[-1].mean - plain[-1].mean).max() > 0.1 * plain[-1].std.min()
+    assert np.abs(np.log(knows[-1].std / plain[-1].std)).max() > 0.1
+
+
+def test_a_network_speaks_from_when_temperatures_are_known(silent, loud):
+    model = exact_model('four')
+    stream = messages(model, block(2.0), 4.0)
+    late = pipeline_with(model, loud[1])
+    feed(late, stream[:200])
+    unheard, spoken = late.method.belief(), feed(warm(late), stream[200:])
+    quiet = pipeline_with(model, silent)
+    feed(quiet, stream[:200])
+    np.testing.assert_allclose(unheard.mean, quiet.method.belief().mean, atol=1e-6)
+    quiet = feed(warm(quiet), stream[200:])
+    assert np.abs(np.log(spoken[-1].std / quiet[-1].std)).max() > 0.1
 
 
 def test_the_network_changes_the_answer(silent, loud):

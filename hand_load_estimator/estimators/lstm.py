@@ -5,10 +5,13 @@ The network sees motion, torque difference and temperature of each joint (E3.1),
 domain through the running Bayesian posterior (E4.1), and gives the mean and the variance of the
 ten parameters: through its corrections, and by shift and spread of the outcome.
 The forward pass is numpy, because one sample through torch costs more than the arithmetic.
+A network that was trained beside temperatures is not asked without them: the regression by itself
+(bayes.py) is as near, and its intervals hold.
 """
 
 import numpy as np
 
+from ..learning.artefact import trained_beside_temperatures
 from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, SHIFT, SPREAD
@@ -108,11 +111,13 @@ class Lstm(Watching):
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
+        doubt = self._robot.effort.torque_constants_std
         self._watcher = self._plain = LoadRegression(
             self._prior, self._robot.n, uncertainties, load_share=model.residuals.load_share,
-            foretold_doubt=self._robot.effort.torque_constants_std)
+            foretold_doubt=doubt)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                       trust=self._plain.trust)
+                                       trust=self._plain.trust, foretold_doubt=doubt)
+        self._beside_temperatures, self._asked = trained_beside_temperatures(artefact.card), True
         self._rest = RestWatch(model.noise)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
@@ -155,7 +160,10 @@ class Lstm(Watching):
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
         self._scale.update(load[0], load[1] + prediction.stuck + prediction.noise, sample)
         features_now = self._features(sample, prediction, load)
-        if prediction.doubt.min() < RESTED:
+        self._asked = not self._beside_temperatures or np.isfinite(sample.temperature).all()
+        if not self._asked:
+            self._correction = np.zeros(self._robot.n)
+        elif prediction.doubt.min() < RESTED:
             self._correction, shift, spread = self._cell.step(features_now)
             # An arm that stands tells nothing of the load: nor is it any better or worse known.
             # Answers of training are held as long (learning/objective.py).
@@ -196,6 +204,9 @@ class Lstm(Watching):
 
     def belief(self):
         """Return the present Belief."""
+        if not self._asked:
+            alone = self._learned.widened(self._robot.effort.torque_constants_std)
+            return Belief(alone.mean, alone.covariance * self._scale.beyond(self.factor))
         posterior, stated = self._learned.widened(), self._learned.posterior
         # The network was trained on models that are as they state: its unit is what they state.
         std = np.sqrt(stated.shape_covariance.diagonal())

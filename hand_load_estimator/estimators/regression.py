@@ -192,12 +192,17 @@ class LoadRegression:
         posterior = self.widened()
         return Belief(posterior.mean, posterior.covariance)
 
-    def widened(self):
-        """Return the last posterior, with the variances of torques as they turn out to be."""
-        if self.trust.now.factor <= 1.0:
+    def widened(self, gain_doubt=None):
+        """
+        Return the last posterior, with the variances of torques as they turn out to be.
+
+        gain_doubt: the one of torque constants to count with instead of the regression's own.
+        """
+        doubt = self._gain_doubt if gain_doubt is None else gain_doubt
+        if self.trust.now.factor <= 1.0 and doubt == self._gain_doubt:
             return self.posterior
-        return posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
-                            self._tare, self.trust.now)
+        return posterior_of(self._total, self._prior, self.posterior.shape, doubt, self._tare,
+                            self.trust.now)
 
     def _solve(self):
         self._total = self._recent.total()

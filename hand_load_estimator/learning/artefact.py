@@ -84,6 +84,11 @@ def network_of(card):
     return card.get('network', NETWORK)
 
 
+def trained_beside_temperatures(card):
+    """Tell whether a card's content says so; cards without a word say yes."""
+    return card.get('temperatures', True)
+
+
 def arm_of(robot):
     """Return what a card says of the arm it belongs to."""
     return {'joints': list(robot.joints), 'effort_kind': robot.effort.kind,

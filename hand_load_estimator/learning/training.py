@@ -96,6 +96,7 @@ def _card(model, job, spans, scores, seconds):
         'outputs': 'correction per joint for the recursive regression; shift and '
                    f'spread of {", ".join(MESSAGE_ORDER)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
-        'model_recordings': model.recording_names, **job, 'sequence_seconds': DURATION,
+        'model_recordings': model.recording_names,
+        'temperatures': model.temperatures is not None, **job, 'sequence_seconds': DURATION,
         'seeds': {name: span.start for name, span in spans.items()},
         'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}
