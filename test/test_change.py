@@ -11,12 +11,10 @@ import pytest
 from hand_load_estimator.estimators import regression
 from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, LONG, PIECE,
                                                    RecentData, strongest_joint)
-from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.estimators.information import Information
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.regression import LoadRegression
-from hand_load_estimator.estimators.rest_watch import MARGIN, SIGMAS
 from hand_load_estimator.load import LoadParameters
 
 SECONDS = 1.2  # within which a change of 2 kg must be noticed while the arm moves
@@ -79,39 +77,6 @@ def test_a_large_change_while_standing_is_noticed_at_once_and_counted_once():
     assert noticed and 0.0 < noticed[0] < 1.0 and pipeline.load_id == 1
     last = estimates[-1]
     assert abs(last.mean[0] - 10.0) < 3.5 * last.std[0] and last.std[0] < 0.1
-
-
-def sticking(joint, load, share=0.0, rest=4.0):
-    """
-    Return messages of a standing arm of which one joint holds more since 2 s than the model says.
-
-    share: what all others hold then of what they may.
-    """
-    model = exact_model('ur10e')
-    # Not so much more that it could only be a contact.
-    held = MARGIN * model.held_friction() + 1.3 * SIGMAS * model.noise
-    held *= share + (1.0 - share) * np.eye(6)[joint]
-    return [m if not 102.0 < m.stamp < 100.0 + rest else replace(
-        m, effort=m.effort + held / model.robot.effort.torque_constants)
-        for m in messages(model, load, 7.0, rest=rest)]
-
-
-@pytest.mark.parametrize('load', [LoadParameters(), block(9.0)])
-@pytest.mark.parametrize('joint', [0, 2])
-def test_a_joint_that_sticks_is_no_other_load(joint, load):
-    pipeline = warm(pipeline_of(exact_model('ur10e')))
-    estimates = feed(pipeline, sticking(joint, load))
-    assert pipeline.load_id == 0
-    last = estimates[-1]
-    assert abs(last.mean[0] - load.mass) < 3.5 * last.std[0] and last.std[0] < 0.1
-
-
-def test_what_several_joints_hold_may_be_another_load(monkeypatch):
-    """Or a contact; were it none, the load is forgotten."""
-    monkeypatch.setattr(ContactGate, 'refuses', lambda *arguments: False)
-    pipeline = warm(pipeline_of(exact_model('ur10e')))
-    feed(pipeline, sticking(1, LoadParameters(), share=0.9))
-    assert pipeline.load_id > 0
 
 
 def test_a_small_change_while_standing_is_found_when_the_arm_moves():

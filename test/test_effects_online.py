@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.estimators.rest_watch import MARGIN, NOTHING, ONE_JOINT, RestWatch
+from hand_load_estimator.estimators.rest_watch import (ANOTHER_LOAD, MARGIN, NOTHING,
+                                                        RestWatch)
 from hand_load_estimator.evidence import Evidence
 from hand_load_estimator.lateness import as_reported
 from hand_load_estimator.load import LoadParameters
@@ -249,10 +250,14 @@ def test_a_joint_holds_the_more_the_more_its_gear_is_loaded(samples):
     gear = columns_of_links(model, x) + held
     np.testing.assert_allclose(friction, model.held_friction() + share * np.abs(gear), atol=1e-9)
     still = replace(samples[0], v=np.zeros(4), a=np.zeros(4), dt=0.02)
+    # A load that shows in the second joint only.
+    columns = np.zeros((4, 10))
+    columns[1, 0] = 5.0
     beyond = []
     for factor in (0.9, 1.1):
-        watch = RestWatch(np.zeros(4))
+        watch = RestWatch(model.robot.joints, np.zeros(4), np.eye(10))
         torque = np.array([0.0, factor * MARGIN * friction[-1, 1], 0.0, 0.0])
-        beyond.append(max(watch.update(still, torque, np.zeros(4), friction[-1])
+        prediction = SimpleNamespace(friction=friction[-1], load_columns=columns)
+        beyond.append(max(watch.update(still, torque, np.zeros(4), prediction)
                           for _ in range(20)))
-    assert beyond == [NOTHING, ONE_JOINT]
+    assert beyond == [NOTHING, ANOTHER_LOAD]

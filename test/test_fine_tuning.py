@@ -132,6 +132,19 @@ def test_the_card_says_what_it_was_made_from(folder, whole):
     read_artefact(folder / 'whole', exact_model('four').robot)
 
 
+@pytest.mark.parametrize('beside', [True, False])
+def test_the_card_says_whether_there_were_temperatures(folder, tmp_path, beside):
+    """Of what trained the weights: a fine-tuning without a pass is not asked."""
+    content = json.loads((folder / 'first' / CARD).read_text())
+    (tmp_path / CARD).write_text(json.dumps({**content, 'temperatures': beside}))
+    (tmp_path / WEIGHTS).write_bytes((folder / 'first' / WEIGHTS).read_bytes())
+    for passes, expected in ((0, beside), (1, True)):
+        recipe = Recipe(sequences=2, calibration=4, validation=2, passes=passes)
+        train(folder / 'model.yaml', tmp_path / 'out', recipe, 'cpu', lambda text: None, tmp_path)
+        card = json.loads((tmp_path / 'out' / CARD).read_text())
+        assert card['temperatures'] is expected
+
+
 def test_fine_tuning_sees_draws_that_training_did_not():
     assert Recipe().sequences + FINE_TUNING.sequences <= len(seeds.TRAINING)
     assert FINE_TUNING.sequences <= 0.25 * Recipe().sequences

@@ -39,6 +39,11 @@ def doubtful(model, doubt):
     return replace(model, robot=robot)
 
 
+def model_without_temperatures():
+    """Return a TorqueModel that no temperature changes."""
+    return exact_model('four', ('coulomb_friction', 'viscous_friction'))
+
+
 def test_a_network_that_says_nothing_is_bayes(silent):
     model = exact_model('four')
     stream = messages(model, block(2.0), 4.0)
@@ -71,17 +76,47 @@ def test_a_network_trained_beside_temperatures_is_not_asked_without_them(loud, d
     assert np.abs(np.log(knows[-1].std / plain[-1].std)).max() > 0.1
 
 
-def test_a_network_speaks_from_when_temperatures_are_known(silent, loud):
+def test_temperatures_change_nothing_for_a_network_trained_without_them(loud):
+    """Weights of what was the same all along were never trained."""
+    model = model_without_temperatures()
+    artefact = replace(loud[1], card={**loud[1].card, 'temperatures': False})
+    stream = messages(model, block(2.0), 2.0)
+    cold, hot = pipeline_with(model, artefact), warm(pipeline_with(model, artefact), 45.0)
+    for one, other in zip(feed(cold, stream)[::20], feed(hot, stream)[::20]):
+        np.testing.assert_array_equal(one.mean, other.mean)
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+
+
+def test_a_network_is_asked_while_every_temperature_is_known(loud):
+    """What it said before is not said again of later motions."""
     model = exact_model('four')
-    stream = messages(model, block(2.0), 4.0)
-    late = pipeline_with(model, loud[1])
-    feed(late, stream[:200])
-    unheard, spoken = late.method.belief(), feed(warm(late), stream[200:])
-    quiet = pipeline_with(model, silent)
-    feed(quiet, stream[:200])
-    np.testing.assert_allclose(unheard.mean, quiet.method.belief().mean, atol=1e-6)
-    quiet = feed(warm(quiet), stream[200:])
-    assert np.abs(np.log(spoken[-1].std / quiet[-1].std)).max() > 0.1
+    pipeline = pipeline_with(model, loud[1])
+    stream = messages(model, block(2.0), 6.0)
+    said = []
+    for part, celsius in zip((stream[:200], stream[200:400], stream[400:]), (None, 25.0, None)):
+        if celsius is not None:
+            warm(pipeline, celsius)
+        elif said:
+            pipeline.method.settle()
+            pipeline._stream._filter.set_temperature(2, np.nan)
+        last = feed(pipeline, part)[-1]
+        said.append((last, pipeline.reliability['network'], pipeline.method._shift.any()))
+    assert [told == 'asked' for _, told, _ in said] == [False, True, False]
+    assert [shifted for *_, shifted in said] == [False, True, False]
+    assert 'not of all joints' in said[2][1]
+
+
+@pytest.mark.parametrize('doubt', [0.0, 0.05])
+def test_a_checkpoint_says_whether_the_network_was_asked(loud, doubt, tmp_path):
+    model = doubtful(exact_model('four'), doubt)
+    old, new = (pipeline_with(model, loud[1]) for _ in range(2))
+    feed(old, messages(model, block(3.0), 3.0))
+    write_checkpoint(tmp_path / 'c', old.state(), belongs_to(old))
+    restore_checkpoint(tmp_path / 'c', new, 60.0)
+    before, after = old.method.belief(), new.method.belief()
+    # Friction and offsets are found anew.
+    np.testing.assert_allclose(np.sqrt(np.diag(after.covariance) / np.diag(before.covariance)),
+                               1.0, atol=0.05)
 
 
 def test_the_network_changes_the_answer(silent, loud):

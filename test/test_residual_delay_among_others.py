@@ -1,5 +1,7 @@
 """A delay of a joint that does other things too: they come as late as its torque."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from residual_helpers import (assert_repaired, clean_runs, constant_friction, declared_model,
@@ -8,6 +10,8 @@ from residual_helpers import (assert_repaired, clean_runs, constant_friction, de
 from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.regression_system import System
 from hand_load_estimator.residual.delay_among_others import delay_among, delayed
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import hypotheses, of_shapes
 from hand_load_estimator.residual.hypothesis import beside_delays
@@ -26,6 +30,17 @@ def late_with(function, times, delay=DELAY):
         out[:, JOINT] = np.interp(time - delay, time, now + other(run)[:, JOINT]) - now
         return out
     return effect
+
+
+@pytest.mark.parametrize('messages, verdict', [(10, CONFIRMED), (1, SUSPECTED)])
+def test_how_short_a_delay_may_be_depends_on_the_rate_of_joint_states(messages, verdict):
+    """Not on the spacing of rows, which are means of several."""
+    evidence = [replace(run, motion=replace(run.motion, messages=np.full(
+        len(run.torque), messages))) for run in recorded(late_with(ripple, 30.0, 0.009))]
+    diagnosis, _ = diagnose(declared_model(), evidence[:-1], evidence[-1:])
+    found = [f for f in diagnosis.findings if f.name == 'time_delay']
+    assert [(f.verdict, len(f.joints)) for f in found] == [(verdict, 1)]
+    assert found[0].parameters['delay'][0] == pytest.approx(0.009, rel=0.2)
 
 
 @pytest.mark.parametrize('function, name, parameter', [

@@ -53,14 +53,14 @@ def test_a_share_counts_at_every_joint():
 
 @pytest.mark.parametrize('delay, joints, sure', [
     (0.45 * INTERVAL, 1, False), (0.55 * INTERVAL, 1, True), (0.45 * INTERVAL, 4, True)])
-def test_one_joint_comes_no_part_of_an_interval_later_than_others(delay, joints, sure):
+def test_a_short_delay_of_one_joint_is_only_suspected(delay, joints, sure):
     given = finding('time_delay', {'share': (1.0, 0.01, '-'), 'delay': (delay, 1e-5, 's')},
                     JOINTS[:joints])
     (found,), told = of_another_kind((given,), INTERVAL)
     assert found.verdict == (CONFIRMED if sure else SUSPECTED)
     assert told == () if sure else told == (
         f'{JOINTS[0]}: time_delay is only suspected: 0.9 ms is less than half of the 2 ms '
-        'between two joint states, and other joints come in time',)
+        'between two joint states, too short to be told from what other effects leave',)
 
 
 @pytest.mark.parametrize('name, shape', [('stribeck_friction', 'stribeck_velocity'),

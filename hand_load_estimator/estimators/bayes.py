@@ -8,7 +8,7 @@ from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
-from .rest_watch import NOTHING, RestWatch, SEVERAL
+from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -29,7 +29,7 @@ class Bayes(Watching):
         self._watcher = self._regression = LoadRegression(
             load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std,
             model.residuals.load_share)
-        self._rest = RestWatch(model.noise)
+        self._rest = RestWatch(robot.joints, model.noise, self._regression.change)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._scale = InnovationScale(model.residuals.rmse)
         self._gate = ContactGate(robot.joints, model.residuals.rmse, self._regression.change,
@@ -41,7 +41,8 @@ class Bayes(Watching):
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._gate.reason or self._watch.reason or self.trust.misfit
+        return (self._gate.reason or self._rest.reason or self._watch.reason
+                or self.trust.misfit)
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
@@ -51,7 +52,7 @@ class Bayes(Watching):
                                                    self._regression.posterior)
         self.innovation, self.spread = innovation, spread
         contact = self._gate.update(prediction, innovation, torque, sample.dt)
-        beyond = self._rest.update(sample, innovation, spread, prediction.friction)
+        beyond = self._rest.update(sample, innovation, spread, prediction)
         if beyond != NOTHING:
             contact = self._gate.refuses(prediction, innovation, torque)
         self.refused = contact
@@ -59,7 +60,7 @@ class Bayes(Watching):
             if self._gate.reason and self._regression.take_back(sample.stamp):
                 self._known = self._regression.known()
             return self.belief()
-        if beyond == SEVERAL:
+        if beyond == ANOTHER_LOAD:
             self._regression.begin_anew(sample.stamp)
             self._clear_watches()
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)

@@ -24,7 +24,7 @@ from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression, MOVING
-from .rest_watch import NOTHING, RestWatch, SEVERAL
+from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -116,9 +116,10 @@ class Lstm(Watching):
             self._prior, self._robot.n, uncertainties, load_share=model.residuals.load_share,
             foretold_doubt=doubt)
         self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                       trust=self._plain.trust, foretold_doubt=doubt)
-        self._beside_temperatures, self._asked = trained_beside_temperatures(artefact.card), True
-        self._rest = RestWatch(model.noise)
+                                       trust=self._plain.trust, by_joint=doubt > 0.0)
+        self._beside_temperatures = trained_beside_temperatures(artefact.card)
+        self._asked = not self._beside_temperatures
+        self._rest = RestWatch(self._robot.joints, model.noise, self._plain.change)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
@@ -138,7 +139,14 @@ class Lstm(Watching):
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return self._gate.reason or self._watch.reason or self.trust.misfit
+        return (self._gate.reason or self._rest.reason or self._watch.reason
+                or self.trust.misfit)
+
+    @property
+    def reliability(self):
+        """What ~/status tells of the network."""
+        return {'network': 'asked' if self._asked else 'not asked: it was trained beside '
+                'temperatures, and not of all joints one is known; method bayes meanwhile'}
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
@@ -146,13 +154,13 @@ class Lstm(Watching):
         columns = joined_columns(prediction)
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         contact = self._gate.update(prediction, load[0], load[2], sample.dt)
-        beyond = self._rest.update(sample, *load[:2], prediction.friction)
+        beyond = self._rest.update(sample, *load[:2], prediction)
         if beyond != NOTHING:
             contact = self._gate.refuses(prediction, load[0], load[2])
         if contact:
             self._take_back(sample.stamp)
             return self.belief()
-        if beyond == SEVERAL:
+        if beyond == ANOTHER_LOAD:
             self._plain.begin_anew(sample.stamp)
             self._learned.begin_anew(sample.stamp)
             self._restart()
@@ -160,10 +168,8 @@ class Lstm(Watching):
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
         self._scale.update(load[0], load[1] + prediction.stuck + prediction.noise, sample)
         features_now = self._features(sample, prediction, load)
-        self._asked = not self._beside_temperatures or np.isfinite(sample.temperature).all()
-        if not self._asked:
-            self._correction = np.zeros(self._robot.n)
-        elif prediction.doubt.min() < RESTED:
+        self._listen(sample)
+        if self._asked and prediction.doubt.min() < RESTED:
             self._correction, shift, spread = self._cell.step(features_now)
             # An arm that stands tells nothing of the load: nor is it any better or worse known.
             # Answers of training are held as long (learning/objective.py).
@@ -176,6 +182,16 @@ class Lstm(Watching):
         # The plain regression only serves the next innovation.
         self._unsettled = sample, columns, prediction.difference, weights
         return self.belief()
+
+    def _listen(self, sample):
+        """Note whether the network knows motions of which as much was measured as of this one."""
+        known = not self._beside_temperatures or bool(np.isfinite(sample.temperature).all())
+        if self._asked and not known:
+            # What it said was of another time when it is asked again.
+            self._cell.restart()
+            self._correction = np.zeros(self._robot.n)
+            self._shift, self._spread = np.zeros(10), np.zeros(10)
+        self._asked = known
 
     def settle(self):
         """Bring the plain regression behind the innovations up to date, look for a change."""
@@ -236,7 +252,8 @@ class Lstm(Watching):
         self.settle()
         parts = ('plain', self._plain.state()), ('learned', self._learned.state())
         out = {f'{part}.{name}': value for part, state in parts for name, value in state.items()}
-        return out | {'innovations': self._scale.sums.copy(),
+        asked = np.array(float(self._asked))
+        return out | {'innovations': self._scale.sums.copy(), 'asked': asked,
                       'memory': np.stack(self._cell.memory), 'shift': self._shift,
                       'spread': self._spread, 'weights': self._cell.fingerprint}
 
@@ -249,7 +266,7 @@ class Lstm(Watching):
         self._learned.restore(_part(own, 'learned'))
         self._restart()
         self._cell.memory, self._shift, self._spread = own['memory'], own['shift'], own['spread']
-        self._scale.sums = own['innovations']
+        self._scale.sums, self._asked = own['innovations'], bool(own['asked'])
 
     def _restart(self):
         self._cell.restart()
@@ -272,10 +289,12 @@ class Lstm(Watching):
         self._relative = np.sqrt(posterior.covariance.diagonal()) / self._prior_std
 
     def _features(self, sample, prediction, load):
-        residuals = self._model.residuals
+        residuals, temperature = self._model.residuals, sample.temperature
+        if not self._beside_temperatures:
+            temperature = np.full(self._robot.n, np.nan)
         slow = self._slow.update(load[0], load[1], prediction.density, sample.dt)
         return features(self._robot.limits, (residuals.rmse, residuals.load_intensity),
                         (sample.q, sample.v, sample.a),
-                        sample.temperature - self._robot.reference_temperature,
+                        temperature - self._robot.reference_temperature,
                         (prediction.z, prediction.doubt, prediction.density),
                         prediction.difference, load, slow, self._relative)

@@ -35,7 +35,8 @@ class LoadRegression:
     variances were scaled by; trust: the ModelTrust of a LoadRegression that looks for load
     changes and for what the model does not foretell; without one it does so itself, with
     foretold_doubt for the relative standard deviation of the torque constants (gain_doubt unless
-    given, where the intervals hold that doubt otherwise).
+    given, where the intervals hold that doubt otherwise); by_joint: keep each joint's part for
+    widened() where no doubt of its own asks for it.
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
     how many pieces of recent data it reaches back. change (10, 10): covariance of what the
     products may change by when the load does. The last DRIFTS * n nuisances are the joints'
@@ -43,11 +44,12 @@ class LoadRegression:
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None,
-                 foretold_doubt=None):
+                 foretold_doubt=None, by_joint=False):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, trust is None
         foretold_doubt = gain_doubt if foretold_doubt is None else foretold_doubt
         # Only the doubt about torque constants asks for each joint's part.
-        size = n if max(gain_doubt, foretold_doubt) > 0.0 else 0, nuisances
+        by_joint = by_joint or max(gain_doubt, foretold_doubt) > 0.0
+        size = n if by_joint else 0, nuisances
         self.trust = trust or ModelTrust(prior, nuisances, size[0], foretold_doubt)
         self._joints = n
         # Variances scaled down make evidence of model error; so the threshold goes up with them.

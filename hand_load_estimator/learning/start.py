@@ -6,15 +6,20 @@ from pathlib import Path
 
 import torch
 
-from .artefact import WEIGHTS, read_artefact
+from .artefact import read_artefact, trained_beside_temperatures, WEIGHTS
 
 
 @dataclass(frozen=True)
 class Start:
-    """weights: name -> array, as of an Artefact; note: name and sha256 of the weights' file."""
+    """
+    weights: name -> array, as of an Artefact; note: name and sha256 of the weights' file.
+
+    beside_temperatures: whether they were trained so.
+    """
 
     weights: dict
     note: dict
+    beside_temperatures: bool
 
     def sized(self, recipe):
         """Return a Recipe with the hidden units these weights have: they cannot be changed."""
@@ -30,7 +35,8 @@ def read_start(folder, robot):
     """Return the Start of an artefact's folder; raises ConfigurationError for another robot's."""
     artefact = read_artefact(folder, robot)
     return Start(artefact.weights, {'name': artefact.card.get('name', ''),
-                                    'sha256': sha256_of(Path(folder) / WEIGHTS)})
+                                    'sha256': sha256_of(Path(folder) / WEIGHTS)},
+                 trained_beside_temperatures(artefact.card))
 
 
 def sha256_of(path):

@@ -70,7 +70,8 @@ def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start
     scores = held_out_scores(network, factors, shards['validation'], prior)
     weights = {k: v.numpy() for k, v in network.state_dict().items()}
     write_artefact(folder, weights, factors,
-                   _card(model, job, spans, scores, time.time() - began))
+                   _card(model, job, spans, scores, time.time() - began,
+                         _beside_temperatures(model, recipe, start)))
     end_work(work)
     return scores
 
@@ -89,7 +90,13 @@ def _optimised(robot, recipe, paths, work, device, write, start):
     return optimise(network.to(device), recipe, paths, loss, work, write).cpu()
 
 
-def _card(model, job, spans, scores, seconds):
+def _beside_temperatures(model, recipe, start):
+    # Weights that no pass has changed know what they knew.
+    return start.beside_temperatures if start is not None and not recipe.passes \
+        else model.temperatures is not None
+
+
+def _card(model, job, spans, scores, seconds, beside_temperatures):
     return {
         'name': f'LSTM load network for {model.robot.name}',
         **arm_of(model.robot),
@@ -97,6 +104,6 @@ def _card(model, job, spans, scores, seconds):
                    f'spread of {", ".join(MESSAGE_ORDER)}',
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
         'model_recordings': model.recording_names,
-        'temperatures': model.temperatures is not None, **job, 'sequence_seconds': DURATION,
+        'temperatures': beside_temperatures, **job, 'sequence_seconds': DURATION,
         'seeds': {name: span.start for name, span in spans.items()},
         'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}

@@ -100,7 +100,7 @@ def _found(model, ex, names, errors):
     findings = findings_of(model, better, trace, odd) + once \
         + unknown_left(model, ex.residual, ex.rest, left, trace)
     findings, doubts = refuted(findings, joints, *errors)
-    findings, kinds = of_another_kind(findings, float(np.median(ex.residual.dt)),
+    findings, kinds = of_another_kind(findings, ex.residual.interval,
                                       faint_in(model, better, trace))
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
     findings, wrong = on_wrong_footing(findings, joints, model, better)

@@ -75,6 +75,11 @@ class Residual:
         return self.cut.folds
 
     @property
+    def interval(self):
+        """Time between two joint states [s], as it is mostly."""
+        return float(np.median(self.dt / self.messages))
+
+    @property
     def observations(self):
         """Number of groups of blocks: repetitions of one motion are one."""
         return int(self.cut.groups.max()) + 1

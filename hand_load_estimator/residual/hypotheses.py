@@ -50,7 +50,7 @@ def hypotheses(model, residual, blocks, warmed, done=()):
 
 def _often(residual, name):
     """Tell whether joint states come often enough to tell an effect."""
-    return name != LATE or np.median(residual.dt / residual.messages) * SLOWEST_RATE <= 1.0
+    return name != LATE or residual.interval * SLOWEST_RATE <= 1.0
 
 
 def of_joint(model, residual, blocks, warmed, j, done=()):

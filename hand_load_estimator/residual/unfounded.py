@@ -2,11 +2,11 @@
 Effects that the model written holds with figures which are none of what they are called.
 
 A hypothesis is asked what physics allows of it; estimated together with everything else its
-figures may become others. A share of a delay is no delay; nor is half of the time between two
-joint states, which come for all joints at once. A peak of friction below the slowest motion that
-tells friction is known by its tail only, one that has not fallen at the fastest is a level. What
-was found beside the torque of the model as it was, late or misread, may be nothing beside the
-torque as it is; and what is small beside another a rest that the formula of that leaves.
+figures may become others. A share of a delay is no delay, and half of the time between two joint
+states too short for one of a single joint. A peak of friction below the slowest motion that tells
+friction is known by its tail only, one that has not fallen at the fastest is a level. What was
+found beside the torque of the model as it was, late or misread, may be nothing beside the torque
+as it is; and what is small beside another a rest that the formula of that leaves.
 """
 
 from dataclasses import replace
@@ -55,8 +55,8 @@ def _why(finding, interval):
         if finding.name == LATE and plain == 'delay' and len(finding.joints) == 1 \
                 and mean < 0.5 * interval:
             return (f'{joints}: time_delay is only suspected: {1e3 * mean:.2g} ms is less than '
-                    f'half of the {1e3 * interval:.2g} ms between two joint states, and other '
-                    'joints come in time')
+                    f'half of the {1e3 * interval:.2g} ms between two joint states, too short to '
+                    'be told from what other effects leave')
         if any(s.name == plain and mean <= s.least for s in EFFECTS[finding.name].shapes
                if s.unit == 'rad/s'):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or below '
