@@ -48,10 +48,10 @@ class RestWatch:
         Return NOTHING, or what has been beyond that for as long as it takes: STICKS, which may be
         a contact instead, or ANOTHER_LOAD, which may be one, too.
         """
-        limit = MARGIN * prediction.friction + SIGMAS * np.sqrt(self._variance + spread)
         if np.abs(sample.v).max() > STILL or np.abs(sample.a).max() > UNFORCED:
             self.restart()
             return NOTHING
+        limit = MARGIN * prediction.friction + SIGMAS * np.sqrt(self._variance + spread)
         beyond = (np.abs(innovation) > limit).any()
         self._beyond = self._beyond + sample.dt if beyond else 0.0
         self._within = 0.0 if beyond else self._within + sample.dt
