@@ -43,7 +43,7 @@ def judged(contents):
 
 def test_nothing_measured_is_nothing_reached():
     rows = goal_rows([])
-    assert len(rows) == 22
+    assert len(rows) == 23
     assert {row.reached for row in rows} == {None}
     assert {row.measured for row in rows} == {NOT_MEASURED}
 
@@ -277,12 +277,18 @@ def test_measured_arms_are_judged_against_every_rival():
     goal = 'measured arms: better than every rival at the end of a run (median % of rated)'
     errors = {'bayes': 0.2, TEXTBOOK: 0.3, TEXTBOOK_CAREFUL: 0.25, NOMINAL: 4.0, OUR_MODEL: 0.1,
               'mujoco.sysid': 0.27, 'figaroh': 0.16}
-    real = {'methods': {name: {'median_percent': error} for name, error in errors.items()}}
+    real = {'methods': {name: {'median_percent': error, 'possible_percent': error}
+                        for name, error in errors.items()}}
     told, reached = judged({'real': real})[goal]
     assert reached is False
     assert told.startswith('bayes 0.20; ') and told.endswith('; figaroh 0.16')
     assert OUR_MODEL not in told, 'it looks through our torque model'
-    real['methods']['lstm'] = {'median_percent': 0.15}
+    possible = 'the same where a mass below zero counts as zero (our own row)'
+    assert judged({'real': real})[possible][1] is False
+    real['methods']['bayes']['possible_percent'] = 0.15
+    assert judged({'real': real})[possible][1] is True
+    assert judged({'real': real})[goal][1] is False, 'a row of its own'
+    real['methods']['lstm'] = {'median_percent': 0.15, 'possible_percent': 0.15}
     assert judged({'real': real})[goal][1] is True
     del real['methods']['figaroh']
     assert judged({'real': real})[goal] == (NOT_MEASURED, None)

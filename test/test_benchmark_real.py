@@ -38,16 +38,28 @@ def test_the_error_on_a_recording_is_less_what_the_model_was_identified_with():
     bayes, rival = content['methods']['bayes'], content['methods']['figaroh']
     assert bayes == {
         'runs': 2, 'median_percent': pytest.approx(2.0), 'worst_percent': pytest.approx(3.0),
-        'inside': 0.5, 'percent_at': {'0.5 s': pytest.approx(3.0), '1 s': pytest.approx(2.0),
+        'possible_percent': pytest.approx(2.0), 'inside': 0.5, 'percent_at': {'0.5 s': pytest.approx(3.0), '1 s': pytest.approx(2.0),
                                       '3 s': None, '10 s': None, 'end': pytest.approx(2.0)},
         'later_percent': pytest.approx(10.0), 'time_inside': pytest.approx(0.8),
         'mismatch': pytest.approx(0.05), 'changes': 3}
     assert rival['percent_at']['end'] == pytest.approx(0.5) and rival['changes'] is None
     page = to_markdown(real_blocks(content))
     assert '+3.000 (2.000)' in page and '| -6.00 / +6.00 / - / - |' in page
-    assert '| bayes | 2 | 3.00 | 2.00 | - | - | 2.00 | 3.00 | 10.0 |' in page
+    assert '| bayes | 2 | 3.00 | 2.00 | - | - | 2.00 | 2.00 | 3.00 | 10.0 |' in page
     assert '| bayes | 50 | 80.0 | 3 | 5.0 |' in page and '| figaroh | 100 | - | - | - |' in page
     assert '| load changes counted | true [kg] | bayes |' in page, 'only ours count any'
+
+
+def test_a_mass_below_zero_counts_as_zero_in_a_column_of_its_own():
+    """A rival that names possible bodies only would have half of its errors for nothing."""
+    def run(name, truth, mass):
+        return {'set': 'a', 'run': name, 'truth': truth, 'rated': 10.0, 'course': {},
+                'methods': {'bayes': [None] * 4 + [[mass, 1.0]]}}
+
+    runs = {'real_a': [run('r', 0.0, -0.5), run('s', 0.0, 0.2), run('t', 2.0, 1.7)]}
+    bayes = real.real_scores(runs)['methods']['bayes']
+    assert bayes['median_percent'] == pytest.approx(3.0)
+    assert bayes['possible_percent'] == pytest.approx(2.0)
 
 
 def test_a_course_is_judged_later_than_one_second_and_counts_all_the_while():

@@ -145,17 +145,21 @@ def _figures(name, runs):
     """
     Return the figures of one method over all runs.
 
-    'runs'; of the error at the end its 'median_percent' and 'worst_percent' (of rated) and how
-    often 2 std cover it ('inside'); 'percent_at': {moment: median, % of rated}; of the Courses
+    'runs'; of the error at the end its 'median_percent' and 'worst_percent' (of rated),
+    'possible_percent', the median where a mass below zero counts as zero, and how often 2 std
+    cover it ('inside'); 'percent_at': {moment: median, % of rated}; of the Courses
     'later_percent' (largest |error| of all, % of rated), 'time_inside' and 'mismatch' (shares of
     the time, mean over runs) and 'changes', each None where a method has none.
     """
     ours = [run for run in runs if name in run['methods'] and run['methods'][name][-1]]
-    percent = np.abs(_errors(name, ours, -1)) / [run['rated'] for run in ours] * 100.0
-    inside = np.abs(_errors(name, ours, -1)) <= 1.96 * np.array(
-        [run['methods'][name][-1][1] for run in ours])
+    errors, rated = _errors(name, ours, -1), np.array([run['rated'] for run in ours])
+    percent = 100.0 * np.abs(errors) / rated
+    # No mass is below zero, so no error is below the truth's.
+    possible = 100.0 * np.abs(np.maximum(errors, [-run['truth'] for run in ours])) / rated
+    inside = np.abs(errors) <= 1.96 * np.array([run['methods'][name][-1][1] for run in ours])
     return {'runs': len(ours), 'median_percent': float(np.median(percent)),
-            'worst_percent': float(percent.max()), 'inside': float(inside.mean()),
+            'worst_percent': float(percent.max()),
+            'possible_percent': float(np.median(possible)), 'inside': float(inside.mean()),
             'percent_at': {moment: _median_percent(name, ours, k)
                            for k, moment in enumerate(MOMENTS)},
             **_course_figures([(run['course'][name], run['rated']) for run in ours
