@@ -28,7 +28,7 @@ class Bayes(Watching):
         robot = model.robot
         self._watcher = self._regression = LoadRegression(
             load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std,
-            model.residuals.load_share)
+            load_share=model.residuals.load_share)
         self._rest = RestWatch(robot.joints, model.noise, self._regression.change)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._scale = InnovationScale(model.residuals.rmse)

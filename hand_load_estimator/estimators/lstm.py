@@ -111,12 +111,10 @@ class Lstm(Watching):
         self._model, self._robot = model, model.robot
         self._prior = load_prior(self._robot)
         # The doubt about torque constants is drawn in training, so the spread holds it already.
-        doubt = self._robot.effort.torque_constants_std
+        size = self._prior, self._robot.n, uncertainties, self._robot.effort.torque_constants_std
         self._watcher = self._plain = LoadRegression(
-            self._prior, self._robot.n, uncertainties, load_share=model.residuals.load_share,
-            foretold_doubt=doubt)
-        self._learned = LoadRegression(self._prior, self._robot.n, uncertainties,
-                                       trust=self._plain.trust, by_joint=doubt > 0.0)
+            *size, doubt_elsewhere=True, load_share=model.residuals.load_share)
+        self._learned = LoadRegression(*size, doubt_elsewhere=True, trust=self._plain.trust)
         self._beside_temperatures = trained_beside_temperatures(artefact.card)
         self._asked = not self._beside_temperatures
         self._rest = RestWatch(self._robot.joints, model.noise, self._plain.change)
@@ -221,7 +219,7 @@ class Lstm(Watching):
     def belief(self):
         """Return the present Belief."""
         if not self._asked:
-            alone = self._learned.widened(self._robot.effort.torque_constants_std)
+            alone = self._learned.widened(doubt_elsewhere=False)
             return Belief(alone.mean, alone.covariance * self._scale.beyond(self.factor))
         posterior, stated = self._learned.widened(), self._learned.posterior
         # The network was trained on models that are as they state: its unit is what they state.

@@ -31,26 +31,23 @@ class LoadRegression:
     Hold the information about the load, give posteriors, notice load changes.
 
     prior: LoadPrior; n joints; nuisances: number of model columns; gain_doubt: relative
-    standard deviation of the torque constants; load_share: as of Residuals, which the model's
-    variances were scaled by; trust: the ModelTrust of a LoadRegression that looks for load
-    changes and for what the model does not foretell; without one it does so itself, with
-    foretold_doubt for the relative standard deviation of the torque constants (gain_doubt unless
-    given, where the intervals hold that doubt otherwise); by_joint: keep each joint's part for
-    widened() where no doubt of its own asks for it.
+    standard deviation of the torque constants; doubt_elsewhere: leave it out of posteriors,
+    because a network's spread holds it; load_share: as of Residuals, which the model's variances
+    were scaled by; trust: the ModelTrust of a LoadRegression that looks for load changes and for
+    what the model does not foretell; without one it does so itself.
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
     how many pieces of recent data it reaches back. change (10, 10): covariance of what the
     products may change by when the load does. The last DRIFTS * n nuisances are the joints'
     (torque_model.nuisance_columns).
     """
 
-    def __init__(self, prior, n, nuisances, gain_doubt=0.0, load_share=1.0, trust=None,
-                 foretold_doubt=None, by_joint=False):
+    def __init__(self, prior, n, nuisances, gain_doubt=0.0, doubt_elsewhere=False,
+                 load_share=1.0, trust=None):
         self._prior, self._gain_doubt, self._watch = prior, gain_doubt, trust is None
-        foretold_doubt = gain_doubt if foretold_doubt is None else foretold_doubt
+        self._counted_doubt = 0.0 if doubt_elsewhere else gain_doubt
         # Only the doubt about torque constants asks for each joint's part.
-        by_joint = by_joint or max(gain_doubt, foretold_doubt) > 0.0
-        size = n if by_joint else 0, nuisances
-        self.trust = trust or ModelTrust(prior, nuisances, size[0], foretold_doubt)
+        size = n if gain_doubt > 0.0 else 0, nuisances
+        self.trust = trust or ModelTrust(prior, nuisances, size[0], gain_doubt)
         self._joints = n
         # Variances scaled down make evidence of model error; so the threshold goes up with them.
         self._evidence = EVIDENCE / min(load_share, 1.0)
@@ -194,21 +191,21 @@ class LoadRegression:
         posterior = self.widened()
         return Belief(posterior.mean, posterior.covariance)
 
-    def widened(self, gain_doubt=None):
+    def widened(self, doubt_elsewhere=True):
         """
         Return the last posterior, with the variances of torques as they turn out to be.
 
-        gain_doubt: the one of torque constants to count with instead of the regression's own.
+        doubt_elsewhere: as of the regression; False counts the doubt in all the same.
         """
-        doubt = self._gain_doubt if gain_doubt is None else gain_doubt
-        if self.trust.now.factor <= 1.0 and doubt == self._gain_doubt:
+        doubt = self._counted_doubt if doubt_elsewhere else self._gain_doubt
+        if self.trust.now.factor <= 1.0 and doubt == self._counted_doubt:
             return self.posterior
         return posterior_of(self._total, self._prior, self.posterior.shape, doubt, self._tare,
                             self.trust.now)
 
     def _solve(self):
         self._total = self._recent.total()
-        return posterior_of(self._total, self._prior, self._start, self._gain_doubt,
+        return posterior_of(self._total, self._prior, self._start, self._counted_doubt,
                             self._tare, replace(self.trust.now, factor=1.0))
 
     def begin_anew(self, stamp, pieces=AT_REST):
