@@ -44,9 +44,9 @@ class Found:
         """Return Blocks with everything found for nuisances."""
         return self._blocks_of(self._all)
 
-    def beside(self, step):
-        """Return Blocks with all other steps for nuisances."""
-        return self._blocks_of(self._others(step))
+    def beside(self, *steps):
+        """Return Blocks with all steps but these for nuisances."""
+        return self._blocks_of(self._others(*steps))
 
     def evidence(self, step):
         """Return the Candidate of a Step against all other steps as they are without it."""
@@ -149,10 +149,10 @@ class Found:
         rest = tuple(c for c in step.alternatives if c.name != plainer.name)
         return replace(step, chosen=plainer, alternatives=(chosen, *rest), next_best=chosen)
 
-    def _others(self, step):
+    def _others(self, *steps):
         # A plain function would take the place of any effect of its variable.
-        return [other for other in self._all
-                if other is not step and other.chosen.name != UNKNOWN]
+        return [other for other in self._all if other.chosen.name != UNKNOWN
+                and not any(other is step for step in steps)]
 
     def _place(self, step):
         return next(k for k, own in enumerate(self._all) if own is step)

@@ -20,6 +20,7 @@ from .found import Found
 from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
+from .superseded import take_back
 from .together import Together
 
 ROUNDS = 10
@@ -92,6 +93,7 @@ class Trace:
             for step in steps:
                 self._found.add(step, self._expected(step.chosen))
             changed = self._found.settle()
+            changed |= take_back(self._found, self._model, self._warmed, self._possible)
             self.blocks = self._found.blocks()
             self._forget(changed.union(*(step.chosen.touched for step in steps)))
         else:
