@@ -1,5 +1,6 @@
 """`hand_load diagnose`: report, JSON, a usable model, a fine-tuned artefact."""
 
+from dataclasses import replace
 from datetime import datetime
 import hashlib
 import json
@@ -14,11 +15,12 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.learning import shards, training
-from hand_load_estimator.learning.artefact import arm_of, write_artefact
+from hand_load_estimator.learning.artefact import arm_of, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.model_file import read_model
+from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual import load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis
 from hand_load_estimator.residual.load_error import with_load_errors
@@ -226,6 +228,16 @@ def test_loads_are_judged_by_the_artefact_shipped_for_the_arm_too(folder, artefa
     assert learned['load_error'] != plain
     assert 'by method lstm, the default, with the artefact <em>as trained</em>' in (
         folder / 'shipped' / 'report.html').read_text()
+
+
+def test_runs_in_which_a_network_is_not_asked_are_counted(folder, artefact):
+    recording = read_recording(folder / 'loaded')
+    run = None, replace(recording, samples=recording.joint_samples), recording.load
+    network = read_artefact(artefact, model().robot)
+    plain = load_error.load_error(model(), [run])
+    alone = load_error.load_error(model(), [run], network)
+    assert (alone.not_asked, plain.not_asked) == (1, 0)
+    assert alone.mass_rmse == pytest.approx(plain.mass_rmse, rel=1e-9), 'lstm is bayes there'
 
 
 def test_an_unchanged_model_leaves_the_artefact_as_it_is(folder, artefact, capsys):

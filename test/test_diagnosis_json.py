@@ -7,6 +7,7 @@ from diagnosis_report_helpers import found, JOINTS, tuned
 import pytest
 
 from hand_load_estimator.report import diagnosis_json
+from hand_load_estimator.residual.diagnosis import LoadError
 
 
 def test_json_has_the_keys_of_the_contract():
@@ -44,9 +45,13 @@ def test_json_says_what_became_of_the_artefact():
     assert diagnosis_json.diagnosis_content(tuned())['learned'] == {
         'done': 'fine-tuned', 'started_from': 'the <first>', 'folder': 'learned',
         'load_error': {'before': {'mass_rmse': 0.098, 'com_rmse': 0.0051, 'n': 12},
-                       'after': {'mass_rmse': 0.087, 'com_rmse': 0.0048, 'n': 12}}}
+                       'after': {'mass_rmse': 0.087, 'com_rmse': 0.0048, 'n': 12}},
+        'not_asked': 0}
     unloaded = diagnosis_json.diagnosis_content(tuned(None, None))['learned']
     assert unloaded['done'] == 'fine-tuned' and unloaded['load_error'] is None
+    assert unloaded['not_asked'] is None
+    silent = diagnosis_json.diagnosis_content(tuned(after=LoadError(0.09, 0.005, 12, 5)))
+    assert silent['learned']['not_asked'] == 5
 
 
 @pytest.mark.parametrize('missing', ['load_before', 'load_after'])

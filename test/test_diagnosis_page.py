@@ -11,8 +11,8 @@ import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.residual.confusable import NO_MOTION
-from hand_load_estimator.residual.diagnosis import (Alternative, Evidence, Finding, Picture,
-                                                    SUSPECTED, UNKNOWN)
+from hand_load_estimator.residual.diagnosis import (Alternative, Evidence, Finding, LoadError,
+                                                    Picture, SUSPECTED, UNKNOWN)
 
 
 @pytest.fixture(scope='module', name='read')
@@ -166,6 +166,9 @@ def test_page_says_what_became_of_the_artefact(read):
     assert 'The artefact the <first> was fine-tuned from the better model into learned.' in words
     assert 'mass [kg]0.4120.122' in words and 'mass [kg]0.09800.0870' in words
     assert 'centre of mass [mm]5.104.80' in words
+    assert 'was not asked' not in words
+    silent = Reader(diagnosis_page.page(tuned(after=LoadError(0.09, 0.005, 12, 5)))).words()
+    assert 'In 5 of 12 the network was not asked: it was trained beside temperatures' in silent
     unloaded = Reader(diagnosis_page.page(tuned(None, None))).words()
     assert 'What that did to the load estimate is not known.' in unloaded
 

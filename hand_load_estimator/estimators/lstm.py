@@ -141,6 +141,11 @@ class Lstm(Watching):
                 or self.trust.misfit)
 
     @property
+    def asked(self):
+        """Whether the network is asked, which knows motions of which all was measured."""
+        return self._asked
+
+    @property
     def reliability(self):
         """What ~/status tells of the network."""
         return {'network': 'asked' if self._asked else 'not asked: it was trained beside '

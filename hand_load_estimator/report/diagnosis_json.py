@@ -100,11 +100,17 @@ def _not_named(diagnosis):
 
 def _learned(fine_tuning, kept):
     if kept is not None:
-        return {'done': 'kept', 'artefact': kept.name, 'load_error': _both_load_errors(kept)}
+        return {'done': 'kept', 'artefact': kept.name, **_with_network(kept)}
     if fine_tuning is None:
         return {'done': 'kept'}
     return {'done': 'fine-tuned', 'started_from': fine_tuning.started_from, 'folder': 'learned',
-            'load_error': _both_load_errors(fine_tuning)}
+            **_with_network(fine_tuning)}
+
+
+def _with_network(of):
+    after = of.load_after
+    return {'load_error': _both_load_errors(of),
+            'not_asked': None if after is None else int(after.not_asked)}
 
 
 def diagnosis_content(diagnosis):

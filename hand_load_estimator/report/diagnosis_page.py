@@ -156,13 +156,22 @@ def _load_table(head, before, after):
     return html_table(head, rows)
 
 
+def _not_asked(error):
+    """Return in how many recordings a network was not asked, nothing where it was in all."""
+    if not error.not_asked:
+        return ''
+    return (f'<p>In {error.not_asked} of {error.n} the network was not asked: it was trained beside '
+            'temperatures, and not of every joint one is known. There lstm is bayes.</p>')
+
+
 def _kept(kept):
     """Return the errors with the artefact shipped for the arm, nothing without one."""
     if kept is None:
         return ''
     return (f'<p>The same by method lstm, the default, with the artefact '
             f'<em>{escape(kept.name)}</em> as it is:</p>'
-            + _load_table(['', 'before', 'after'], kept.load_before, kept.load_after))
+            + _load_table(['', 'before', 'after'], kept.load_before, kept.load_after)
+            + _not_asked(kept.load_after))
 
 
 def _learned(fine_tuning):
@@ -176,7 +185,8 @@ def _learned(fine_tuning):
     if before is None or after is None:
         return f'{text}What that did to the load estimate is not known.</p>'
     return (f'{text}Error of method lstm with the better model on the same recordings:</p>'
-            + _load_table(['', 'artefact<br>as it was', 'fine-<br>tuned'], before, after))
+            + _load_table(['', 'artefact<br>as it was', 'fine-<br>tuned'], before, after)
+            + _not_asked(after))
 
 
 def _left(name, least, most):

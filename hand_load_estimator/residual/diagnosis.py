@@ -110,11 +110,16 @@ class Correction:
 
 @dataclass(frozen=True)
 class LoadError:
-    """Error of load estimates on n loaded recordings: mass_rmse [kg], com_rmse [m] or None."""
+    """
+    Error of load estimates on n loaded recordings: mass_rmse [kg], com_rmse [m] or None.
+
+    not_asked: recordings in which a network was not asked for want of temperatures.
+    """
 
     mass_rmse: float
     com_rmse: float | None
     n: int
+    not_asked: int = 0
 
 
 @dataclass(frozen=True)

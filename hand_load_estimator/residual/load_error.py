@@ -64,18 +64,21 @@ def load_error(model, runs, artefact=None):
               if load.mass > 0.0 and ASSUMED not in recording.load_known]
     if not loaded:
         return None
-    masses, places = [], []
+    masses, places, not_asked = [], [], 0
     for recording, load in loaded:
-        mean = estimate(model, recording, artefact)
+        method = run_through(model, recording, artefact)
+        mean = method.belief().mean
+        not_asked += artefact is not None and not method.asked
         masses.append(mean[0] - load.mass)
         if 'com' in recording.load_known:
             places.append(mean[1:4] - load.com)
     com = np.sqrt(np.mean(np.sum(np.square(places), axis=1))) if places else None
-    return LoadError(float(np.sqrt(np.mean(np.square(masses)))), com and float(com), len(masses))
+    return LoadError(float(np.sqrt(np.mean(np.square(masses)))), com and float(com), len(masses),
+                     not_asked)
 
 
-def estimate(model, recording, artefact=None):
-    """Return the final estimate (10,) in message order of a Recording, as of load_error."""
+def run_through(model, recording, artefact=None):
+    """Return the method, of load_error, at the end of a Recording."""
     stream, follower = JointStream(model.robot), ModelFollower(model)
     method = Bayes(model, follower.uncertainties) if artefact is None else \
         Lstm(model, follower.uncertainties, artefact)
@@ -85,4 +88,4 @@ def estimate(model, recording, artefact=None):
         else:
             belief = method.update(sample, follower.update(sample))
             follower.carry(belief, method)
-    return method.belief().mean
+    return method

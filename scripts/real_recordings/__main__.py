@@ -14,7 +14,7 @@ from hand_load_estimator.benchmark.real_sets import linked, SETS, stage
 from hand_load_estimator.errors import HandLoadError
 from hand_load_estimator.model_file import read_model
 from hand_load_estimator.recording import read_recording
-from hand_load_estimator.residual.load_error import estimate
+from hand_load_estimator.residual.load_error import run_through
 
 from .table import table
 
@@ -71,8 +71,12 @@ def loads_of(name, data, out):
     """
     models = [read_model(path) for path in (out / 'inputs' / name / 'base.yaml',
                                             out / name / 'model.yaml')]
-    return [(run, mass, *(float(estimate(model, read_recording(data / name / run))[0])
-                          for model in models)) for run, mass in LOADED.get(name, {}).items()]
+    return [(run, mass, *(_mass(model, data / name / run) for model in models))
+            for run, mass in LOADED.get(name, {}).items()]
+
+
+def _mass(model, run):
+    return float(run_through(model, read_recording(run)).belief().mean[0])
 
 
 def diagnose_sets(names, data, out, exchanged=False):
