@@ -52,10 +52,13 @@ def test_delays_count_from_motion_and_only_after_the_change():
     # Seen at rest before the first motion is seen at once.
     assert figures['delays'] == pytest.approx([0.1, 0.3, 0.0])
     assert figures['delay_median'] == pytest.approx(0.1)
-    assert figures['kinds']['drop'] == {'changes': 1, 'missed': 1,
-                                        'delay_median': pytest.approx(math.nan, nan_ok=True)}
+    never = pytest.approx(math.nan, nan_ok=True)
+    assert figures['kinds']['drop'] == {'changes': 1, 'missed': 1, 'delay_median': never,
+                                        'delay_longest': never}
+    assert figures['kinds']['pick']['delay_longest'] == pytest.approx(0.3)
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
     page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
+    assert '| 0.20 to 0.30 s, 0 of 2 missed |' in page
     assert '| bayes | 4 | 1 | 0 | 1 | 0 | 0.10 |' in page and 'Not measured here' not in page
     # Errors 30 and 90 g after half an hour, std 20 g.
     assert '| bayes | 2 | 2.0 | 50.00 | 67 | 50 |' in page

@@ -60,7 +60,8 @@ def _of_changes(name, changed):
         own = [d for d, r in zip(delays, changed) if r['kind'] == kind]
         found = [d for d in own if d is not None]
         kinds[kind] = {'changes': len(own), 'missed': len(own) - len(found),
-                       'delay_median': float(np.median(found)) if found else float('nan')}
+                       'delay_median': float(np.median(found)) if found else float('nan'),
+                       'delay_longest': max(found, default=float('nan'))}
     return {'changes': len(delays), 'missed': sum(d is None for d in delays),
             'wrong': sum(bool(_after(name, r)) and not found_load(name, r) for r in changed),
             'too_early': sum(any(s < r['at'] for s in r['seen'][name]) for r in changed),
