@@ -52,6 +52,14 @@ def test_structure_that_lasts_is_told_beside_noise(rate):
     assert np.median(found.noise) == pytest.approx(1.0, rel=0.1)
 
 
+def test_noise_does_not_vanish_beside_large_structure():
+    motion = filtered(500, 40.0)
+    noise = motion.effort / root(motion.effort)
+    found = rest(motion, noise + 30.0 * np.sin(2.0 * np.pi * 0.1 * motion.stamp)[:, None])
+    assert (found.least_structure > 0.9).all() and (found.noise > 0.8).all()
+    assert (found.noise <= found.most).all()
+
+
 def test_an_oscillation_is_structure_at_whatever_lag_it_returns():
     motion = filtered(94, 40.0)
     noise = 0.3 * motion.effort / root(motion.effort)

@@ -285,3 +285,14 @@ def test_a_change_that_the_model_expects_is_no_finding(doubt, expected):
     """The same change: news to a model that is sure, none to one that says it may be off."""
     diagnosis, _ = diagnosed(on(2, 0.8, viscous), model=declared_model(doubt))
     assert [f.name for f in diagnosis.findings] == expected
+
+
+def test_what_the_model_expects_is_in_the_model_written_all_the_same():
+    """Two recordings say to expect much; a large change is told, with no cause."""
+    diagnosis, better = diagnosed(on(2, 8.0, viscous), model=declared_model(2.0))
+    assert not diagnosis.findings
+    assert_repaired(diagnosis, 2)
+    joint = better.robot.joints[2]
+    told = [s for s in diagnosis.cannot_tell if f'viscous_friction of {joint}' in s]
+    assert len(told) == 1 and 'model.yaml has the change' in told[0]
+    assert diagnosed(on(2, 8.0, viscous), model=declared_model(1e-3))[0].findings

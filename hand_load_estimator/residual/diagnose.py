@@ -9,6 +9,7 @@ from ..recording_mark import refuse_repeats
 from ..sliding import sliding_rms
 from .another_robot import refuse_another_robot
 from .another_state import of_another_state
+from .as_expected import expected_changes
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .disturbance_findings import findings_again
@@ -62,7 +63,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, ex.better, ex.residual, ex.evidence, ex.warmed[0])
     cannot = [*state, *by_name, *told, *ex.unused, *ex.warmed[1], *slow_joint_states(ex.evidence),
-              *ex.still.values(), *_unfinished(ex.trace),
+              *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
+              *_unfinished(ex.trace),
               *repeated(ex.residual.cut, ex.evidence, ex.test),
               *odd_recordings(model, ex.evidence, lambda parts: _sliding(ex.better, parts)),
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]

@@ -102,7 +102,10 @@ def _explained(model, recordings, whole, outside, test, progress):
     progress('estimating everything together')
     misled = own and bool(outside.found)
     refitted = own and not test and bool(trace.steps or outside.found)
-    old, better = _models(model, trace.steps, evidence, misled, refitted)
+    # What the model says to expect of other days is no finding, and of this day all the same. Of
+    # its own recordings it is an average.
+    steps = trace.steps if own else [*trace.steps, *trace.drifted]
+    old, better = _models(model, steps, evidence, misled, refitted)
     return Explanation(whole, outside, evidence, tested, residual, still, warmed, trace,
                        left_over(model.robot, trace.blocks), old, better, refitted, ())
 

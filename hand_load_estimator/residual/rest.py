@@ -22,6 +22,8 @@ PIECE, SIGMAS, FEWEST = 0.25, 3.5, 8
 # Structure that is not sure may be as large as so many standard errors; where that is more than
 # this share of the variance, nothing is known of it.
 PERHAPS, HIDDEN = 2.0, 0.18
+# A resemblance is not told more exactly than this: of what is nearly all structure some is noise.
+NEARLY_ALL = 0.99
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def _remembered(products, pairs):
     seen = total >= 0.5 * total.max(axis=0)
     share = np.where(seen & (np.abs(mean) > SIGMAS * error), np.abs(mean), 0.0).max(axis=0)
     hidden = PERHAPS * np.where(seen, error, 0.0).sum(axis=0) / seen.sum(axis=0)
-    return np.minimum(share, 1.0), hidden
+    return np.minimum(share, NEARLY_ALL), hidden
 
 
 def _products(residual, dt, owner):
