@@ -91,3 +91,11 @@ def test_a_joint_that_sticks_is_no_other_load(joint, load):
     last = estimates[-1]
     assert last.status in ('ESTIMATING', 'DETERMINED')
     assert abs(last.mean[0] - load.mass) < 3.5 * last.std[0] and last.std[0] < 0.1
+
+
+def test_a_joint_that_stuck_is_forgotten_with_the_load():
+    pipeline = warm(pipeline_of(exact_model('ur10e')))
+    feed(pipeline, [m for m in sticking(1, block(9.0)) if m.stamp < 103.5 + MOVED])
+    assert 'it sticks' in pipeline.method.mismatch
+    pipeline.reset()
+    assert pipeline.method.mismatch == ''

@@ -48,9 +48,7 @@ class Bayes(Watching):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
-        innovation, spread, torque = innovation_of(prediction, columns, self._known,
-                                                   self._regression.posterior)
-        self.innovation, self.spread = innovation, spread
+        innovation, spread, torque = self._unexpected(prediction, columns)
         contact = self._gate.update(prediction, innovation, torque, sample.dt)
         beyond = self._rest.update(sample, innovation, spread, prediction)
         if beyond != NOTHING:
@@ -63,12 +61,20 @@ class Bayes(Watching):
         if beyond == ANOTHER_LOAD:
             self._regression.begin_anew(sample.stamp)
             self._clear_watches()
+            self._known = self._regression.known()
+            innovation, spread, torque = self._unexpected(prediction, columns)
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
         self._regression.update_posterior()
         return self.belief()
+
+    def _unexpected(self, prediction, columns):
+        """Return innovation, its variance by the belief and the load's torque, as noted."""
+        found = innovation_of(prediction, columns, self._known, self._regression.posterior)
+        self.innovation, self.spread = found[:2]
+        return found
 
     def settle(self):
         """Look for a load change and renew what the next innovation is counted from."""
@@ -109,6 +115,7 @@ class Bayes(Watching):
         self._watch.clear()
         self._scale.clear()
         self._gate.clear()
+        self._rest.restart()
 
     def state(self):
         """Return the state of the regression, and how innovations were."""
@@ -120,5 +127,4 @@ class Bayes(Watching):
         self._regression.restore(state)
         self._clear_watches()
         self._scale.sums = scale['innovations']
-        self._rest.restart()
         self._known = self._regression.known()
