@@ -55,7 +55,7 @@ def found_in(late_ripple):
     model, residual, those = late_ripple
     found = Found(model, residual, (), None, lambda candidate: True)
     for name in ('torque_ripple', LATE):
-        found.add(step(those[name]), False)
+        found.add(step(those[name]))
     assert found.settle() == {JOINT}
     return found
 
@@ -100,8 +100,8 @@ def test_a_delay_is_worth_what_is_lost_without_it(late_ripple):
 def test_what_is_as_expected_is_not_searched_again(late_ripple, expected, joints):
     model, residual, those = late_ripple
     found = Found(model, residual, (), None, lambda candidate: True)
-    found.add(step(those['viscous_friction']), expected)
-    found.add(step(those['torque_ripple']), False)
+    found.add(replace(step(those['viscous_friction']), expected=expected))
+    found.add(step(those['torque_ripple']))
     assert found.settle() == joints
     assert [len(found.steps), len(found.drifted)] == ([1, 1] if expected else [2, 0])
 
@@ -174,8 +174,8 @@ def test_what_stands_at_its_end_gives_way_to_what_it_looks_like_if_that_may_be(p
         'stribeck_friction': {'stribeck_velocity': FASTEST_PEAK}})
     asked = []
     found = Found(model, residual, (), None, lambda c: asked.append(c.name) or possible)
-    found.add(step(those['torque_ripple']), False)
-    found.add(step(those['stribeck_friction'], those['coulomb_friction']), False)
+    found.add(step(those['torque_ripple']))
+    found.add(step(those['stribeck_friction'], those['coulomb_friction']))
     found.settle()
     assert asked == ['coulomb_friction']
     assert [s.chosen.name for s in found.steps] == ['torque_ripple', name]

@@ -25,7 +25,7 @@ def found_one_after_the_other(names, *hidden):
         asked = [h for h in of_joint(model, residual, blocks, (), JOINT) if h.name == name]
         (best,) = best_of_each(asked, blocks)[0].values()
         best, _ = search_around(best, blocks, model, residual)
-        found.add(Step(single(*best), (), None, NEEDED), False)
+        found.add(Step(single(*best), (), None, NEEDED))
     return model, found
 
 

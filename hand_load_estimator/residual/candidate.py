@@ -79,13 +79,14 @@ class Step:
     One accepted Candidate.
 
     alternatives: Candidates that the blocks cannot tell from it; next_best: the runner-up;
-    needed [nats].
+    needed [nats]; expected: the model says to expect as much, so that it is nothing new.
     """
 
     chosen: Candidate
     alternatives: tuple
     next_best: Candidate | None
     needed: float
+    expected: bool = False
 
 
 def single(hypothesis, score):

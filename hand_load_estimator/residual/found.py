@@ -28,17 +28,17 @@ class Found:
         self._model, self._warmed, self._root = model, warmed, root
         self._possible = possible
         self.residual = residual
-        self._all, self._as_expected, self.taken = [], [], set()
+        self._all, self.taken = [], set()
 
     @property
     def steps(self):
         """What is new."""
-        return [s for s, expected in zip(self._all, self._as_expected) if not expected]
+        return [step for step in self._all if not step.expected]
 
     @property
     def drifted(self):
         """Changes of declared effects no larger than the model says to expect."""
-        return [s for s, expected in zip(self._all, self._as_expected) if expected]
+        return [step for step in self._all if step.expected]
 
     def blocks(self):
         """Return Blocks with everything found for nuisances."""
@@ -74,16 +74,14 @@ class Found:
                                                   self.residual, self._warmed))
         return steps
 
-    def add(self, step, expected):
-        """Add a Step, to those that the model says to expect or to the others."""
+    def add(self, step):
+        """Add a Step."""
         self._all.append(step)
-        self._as_expected.append(expected)
         self.taken |= {h.key for h, _ in step.chosen.parts}
 
     def drop(self, step):
         """Drop a Step; what it delayed comes no longer late."""
-        at = self._place(step)
-        del self._all[at], self._as_expected[at]
+        del self._all[self._place(step)]
         self._tell_delays()
 
     def put(self, step, other):
@@ -99,8 +97,8 @@ class Found:
         """
         last = len(self._all) - 1
         new = self._all[last].chosen
-        earlier = [k for k, step in enumerate(self._all[:last]) if not self._as_expected[k]
-                   and step.chosen.name != UNKNOWN
+        earlier = [k for k, step in enumerate(self._all[:last])
+                   if not step.expected and step.chosen.name != UNKNOWN
                    and set(new.touched) & set(step.chosen.touched)]
         if new.name == UNKNOWN or not earlier:
             return set()

@@ -91,7 +91,7 @@ class Trace:
                 break
             steps = self._found.with_finer_shapes(steps)
             for step in steps:
-                self._found.add(step, self._expected(step.chosen))
+                self._found.add(replace(step, expected=self._expected(step.chosen)))
             changed = self._found.settle()
             changed |= take_back(self._found, self._model, self._warmed, self._possible)
             self.blocks = self._found.blocks()
