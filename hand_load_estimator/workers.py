@@ -1,11 +1,45 @@
 """Worker processes that do not outlive what they work for."""
 
+from concurrent.futures import as_completed, ProcessPoolExecutor
+from multiprocessing import active_children
 import os
+import signal
 import threading
 import time
 
 
-def end_with(parent):
+def worker_results(work, calls, count=None, context=None, jobs_each=None):
+    """
+    Yield what work(*call) returns of each call, as they come, from processes.
+
+    count: processes (None: one per core); context: of multiprocessing; jobs_each: calls until
+    a process is replaced (None: never). Where this ends before the last result (Ctrl-C, an
+    error of a call, `close`) the processes are ended at once.
+    """
+    others = active_children()
+    with ProcessPoolExecutor(count or os.cpu_count() or 1, context, _end_with, (os.getpid(),),
+                             max_tasks_per_child=jobs_each) as pool:
+        try:
+            for job in as_completed(_submitted(pool, work, calls)):
+                yield job.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in set(active_children()).difference(others):
+                process.kill()
+            raise
+
+
+def _submitted(pool, work, calls):
+    # Workers keep the mask that they start with: a terminal sends Ctrl-C to them too, and they
+    # would tell of it one by one. The pool's thread, which replaces them, starts here as well.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return [pool.submit(work, *call) for call in calls]
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_with(parent):
     """End this process soon after `parent` (a pid), also when that was killed outright."""
     def watch():
         while os.getppid() == parent:

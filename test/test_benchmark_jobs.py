@@ -2,6 +2,10 @@
 
 import math
 import os
+import signal
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -54,3 +58,48 @@ def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, 'joblib', None)
     with pytest.raises(ConfigurationError, match='--backend.*joblib'):
         execute.measure_all(math.sqrt, {'n1': (1,)}, tmp_path, 1, 'dask', lambda text: None)
+
+
+INTERRUPTED = """
+import sys, time
+from hand_load_estimator.benchmark.execute import measure_all
+jobs = {'quick': (0,), **{f'slow_{k}': (60,) for k in range(4)}}
+try:
+    measure_all(time.sleep, jobs, sys.argv[1], 2, sys.argv[2],
+                lambda text: print(text, flush=True))
+except KeyboardInterrupt:
+    print('pages', flush=True)
+"""
+
+
+@pytest.mark.parametrize(('backend', 'send'), [
+    ('processes', os.kill), ('processes', os.killpg), ('loky', os.kill)])
+def test_one_interrupt_ends_a_run_and_its_workers(tmp_path, backend, send):
+    """Sent to the command alone, and to its workers too, as a terminal does."""
+    if backend != 'processes':
+        pytest.importorskip('joblib', reason='joblib is not installed: no cluster to test')
+    with subprocess.Popen([sys.executable, '-c', INTERRUPTED, str(tmp_path), backend], text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          start_new_session=True) as run:
+        try:
+            assert '0 of 5' in run.stdout.readline() and '1/5' in run.stdout.readline()
+            send(run.pid, signal.SIGINT)
+            said, _ = run.communicate(timeout=10.0)
+            assert run.returncode == 0 and 'Traceback' not in said
+            assert said.splitlines()[-1] == 'pages'
+            assert [path.name for path in tmp_path.iterdir()] == ['quick.json']
+            assert ended(run.pid)
+        finally:
+            ended(run.pid) or os.killpg(run.pid, signal.SIGKILL)
+
+
+def ended(group):
+    """Tell whether no process of a group is left within five seconds."""
+    end = time.monotonic() + 5.0
+    while time.monotonic() < end:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False

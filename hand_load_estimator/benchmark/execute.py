@@ -1,6 +1,6 @@
 """Measure jobs over all cores or a cluster; one JSON file per job, so that a kill costs little."""
 
-from concurrent.futures import as_completed, ProcessPoolExecutor
+from contextlib import closing
 from functools import partial
 import json
 from multiprocessing import get_context
@@ -10,7 +10,7 @@ import time
 
 from ..errors import ConfigurationError
 from ..whole_file import whole_file
-from ..workers import end_with
+from ..workers import worker_results
 
 PROCESSES = 'processes'
 
@@ -63,16 +63,17 @@ def measure_all(measure, jobs, folder, workers=None, backend=PROCESSES, write=pr
              if label not in results]
     run = partial(_processes, jobs_each=1) if alone else _runner(backend)
     began, done, tried = time.monotonic(), len(results), 0
-    for label, content, failure in run(calls, 1 if alone else workers):
-        tried += 1
-        if failure:
-            write(f'{label} failed: {failure}')
-            if failures is not None:
-                failures[label] = failure
-            continue
-        results[label] = content
-        left = (time.monotonic() - began) / tried * (len(calls) - tried)
-        write(f'{done + tried}/{len(jobs)}  {left / 60.0:.1f} min left  {label}')
+    with closing(run(calls, 1 if alone else workers)) as outcomes:
+        for label, content, failure in outcomes:
+            tried += 1
+            if failure:
+                write(f'{label} failed: {failure}')
+                if failures is not None:
+                    failures[label] = failure
+                continue
+            results[label] = content
+            left = (time.monotonic() - began) / tried * (len(calls) - tried)
+            write(f'{done + tried}/{len(jobs)}  {left / 60.0:.1f} min left  {label}')
     return {label: results[label] for label in jobs if label in results}
 
 
@@ -92,11 +93,8 @@ def _runner(backend):
 def _processes(calls, workers, jobs_each=None):
     # One thread per process, told before a worker loads numpy: cores times threads is slower.
     os.environ.setdefault('OMP_NUM_THREADS', '1')
-    with ProcessPoolExecutor(workers or os.cpu_count() or 1, get_context('spawn'), end_with,
-                             (os.getpid(),), max_tasks_per_child=jobs_each) as pool:
-        for job in as_completed([pool.submit(_attempt, stored, call[1], *call)
-                                 for call in calls]):
-            yield job.result()
+    return worker_results(_attempt, [(stored, call[1], *call) for call in calls], workers,
+                          get_context('spawn'), jobs_each)
 
 
 def _as_text(measure, arguments):

@@ -1,7 +1,6 @@
 """Batches of training sequences on disk, made once, in parallel, and picked up after a kill."""
 
-import os
-from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..estimators.load_prior import load_prior
 from ..estimators.regression import MOVING
 from ..model_file import read_model
 from ..whole_file import whole_file
-from ..workers import end_with
+from ..workers import worker_results
 from .features import REFRESH, SlowResidual, features
 from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,
                                shape_posterior)
@@ -120,13 +119,9 @@ def write_shards(model_path, folder, seeds, make, progress):
     paths = [folder / f'{part[0]}_{len(part)}.safetensors' for part in parts]
     todo = [(part, path) for part, path in zip(parts, paths) if not path.exists()]
     done = len(parts) - len(todo)
-    with ProcessPoolExecutor(max(1, os.cpu_count() or 1), initializer=end_with,
-                             initargs=(os.getpid(),)) as pool:
-        jobs = [pool.submit(_write_shard, str(model_path), list(part), path, make)
-                for part, path in todo]
-        for job in jobs:
-            job.result()
-            done += 1
+    calls = [(str(model_path), list(part), path, make) for part, path in todo]
+    with closing(worker_results(_write_shard, calls)) as written:
+        for done, _ in enumerate(written, done + 1):
             progress(done)
     return paths
 
