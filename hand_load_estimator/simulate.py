@@ -1,6 +1,5 @@
 """`hand_load simulate`: a recording of the simulated arm, with its load.yaml."""
 
-import argparse
 from pathlib import Path
 import sys
 import time
@@ -8,6 +7,7 @@ import time
 from .errors import ConfigurationError
 from .load import LoadParameters
 from .load_file import load_of_argument, placed, write_load_file
+from .number_argument import number
 from .plant import JointEvent, read_effects, simulate_motion
 from .recording import JointSample, RecordingWriter, TemperatureSample
 from .robot import load_robot
@@ -26,18 +26,6 @@ _DURATION = 30.0  # [s]
 _PROGRESS = 0.5   # [s] between two lines
 
 
-def _number(low, high, kind=float):
-    def convert(text):
-        try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not low <= value <= high:
-            raise argparse.ArgumentTypeError(f'got {text!r}; allowed: {low:g} to {high:g}')
-        return value
-    return convert
-
-
 def add_arguments(parser):
     """Add the arguments of simulate."""
     parser.add_argument('--robot', metavar='R.yaml', required=True,
@@ -45,23 +33,23 @@ def add_arguments(parser):
     parser.add_argument('--out', metavar='BAG', required=True, help='recording to write')
     parser.add_argument('--load', metavar='L.yaml', default='none',
                         help='load on the hand: none or a load file (default: none)')
-    parser.add_argument('--temperature', metavar='C', type=_number(-20.0, 90.0),
+    parser.add_argument('--temperature', metavar='C', type=number(-20.0, 90.0),
                         help='of arm and room at the start [degC] (default: the robot file\'s '
                              'reference temperature)')
     parser.add_argument('--effects', metavar='E.yaml', help='hidden effects the arm has')
     parser.add_argument('--motion', metavar='NAME|CSV', default='pick_place',
                         help=f'{", ".join(MOTIONS)} or a motion file (default: pick_place)')
-    parser.add_argument('--seed', metavar='N', type=_number(0, 2 ** 31, int),
+    parser.add_argument('--seed', metavar='N', type=number(0, 2 ** 31, int),
                         default=SHIPPED_MODEL_PLANT,
                         help=f'draws the arm and its noise (default: {SHIPPED_MODEL_PLANT}, the '
                              'arm of the shipped ur10e model)')
-    parser.add_argument('--motion-seed', metavar='N', type=_number(0, 2 ** 31, int), default=0,
+    parser.add_argument('--motion-seed', metavar='N', type=number(0, 2 ** 31, int), default=0,
                         help='draws the motion, noise and state of rest (default: 0)')
-    parser.add_argument('--duration', metavar='S', type=_number(1.0, 36000.0),
+    parser.add_argument('--duration', metavar='S', type=number(1.0, 36000.0),
                         help=f'of a motion by name [s] (default: {_DURATION:g})')
-    parser.add_argument('--rate', metavar='HZ', type=_number(30.0, 1000.0), default=500.0,
+    parser.add_argument('--rate', metavar='HZ', type=number(30.0, 1000.0), default=500.0,
                         help='of joint states (default: 500)')
-    parser.add_argument('--speed', metavar='0..1', type=_number(0.01, 1.0), default=1.0,
+    parser.add_argument('--speed', metavar='0..1', type=number(0.01, 1.0), default=1.0,
                         help='share of the quickest (default: 1)')
 
 

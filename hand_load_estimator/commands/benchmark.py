@@ -1,6 +1,7 @@
 """`hand_load benchmark`: accuracy beside rivals on simulated arms training never saw."""
 
 from ..errors import ConfigurationError
+from ..number_argument import number
 
 EXAMPLE = """
 hand_load benchmark --out out/benchmark
@@ -32,7 +33,7 @@ def add_arguments(parser):
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact, or the name of a shipped one (default: the one '
                              'shipped for the robot); not for effects')
-    parser.add_argument('--cases', default=None, type=int, metavar='N',
+    parser.add_argument('--cases', default=None, type=number(1, kind=int), metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
                              'undeclared, 12 of suggestion, 8 of pushes, 40 of others); from '
                              'more than its own on, an accuracy suite takes 50 plants, on '
@@ -45,13 +46,13 @@ def add_arguments(parser):
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
                         help='offline rivals beside us: mujoco.sysid, figaroh (default: none; '
                              'each needs its package)')
-    parser.add_argument('--hours', default=None, type=float, metavar='H',
+    parser.add_argument('--hours', default=None, type=number(1e-3), metavar='H',
                         help='of running in changes (default: 10) and of soak (default: 24)')
     parser.add_argument('--data', default='../shared/data', metavar='DIR',
                         help='measured recordings of suite real (default: ../shared/data)')
     parser.add_argument('--development', action='store_true',
                         help='on seeds for looking and choosing, not the benchmark\'s')
-    parser.add_argument('--workers', default=None, type=int, metavar='N',
+    parser.add_argument('--workers', default=None, type=number(0, kind=int), metavar='N',
                         help='processes (default: one per core, or all that the backend has)')
     parser.add_argument('--backend', default='processes', metavar='NAME',
                         help='processes, or a backend of joblib for a cluster (default: '
@@ -72,10 +73,6 @@ def run(args):
     def write(text):
         print(text, flush=True)
 
-    for name, least in (('cases', 1), ('workers', 0), ('hours', 1e-3)):
-        value = getattr(args, name)
-        if value is not None and value < least:
-            raise ConfigurationError(f'--{name}', 'is too small', value, f'at least {least:g}')
     if args.suite == SUITE:
         _only_of_others(args)
         print(run_effects(args.robot, args.out, command, write, args.workers, args.development))

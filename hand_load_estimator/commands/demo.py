@@ -12,6 +12,7 @@ from ..own_domain import own_domain
 from ..demo_table import LiveTable
 from ..errors import ConfigurationError
 from ..estimators.registry import DEFAULT, METHODS
+from ..number_argument import number
 from ..report.demo_figure import draw_demo
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -28,7 +29,7 @@ def add_arguments(parser):
                         help='robot file, or the short name of a shipped one')
     parser.add_argument('--method', default=DEFAULT, choices=tuple(METHODS),
                         help='estimator (default: %(default)s)')
-    parser.add_argument('--seed', type=int, default=1, metavar='N',
+    parser.add_argument('--seed', type=number(0, 2 ** 31, int), default=1, metavar='N',
                         help='draws the load (default: %(default)s)')
     parser.add_argument('--temperature', type=float, default=25.0, metavar='C',
                         help='of the joints at the start [degC] (default: %(default)s)')

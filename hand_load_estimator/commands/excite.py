@@ -11,6 +11,7 @@ from ..excitation import make_box, Search
 from ..excitation_information import INDEPENDENT_RATE
 from ..excitation_limits import (check_centre, check_chosen_centre, choose_centre,
                                  torque_use)
+from ..number_argument import number
 from ..output_file import output_file
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -44,7 +45,7 @@ def add_arguments(parser):
     parser.add_argument('--noise', metavar='NM,NM,...',
                         help='torque error per joint [Nm] for the expected covariance '
                              f'(default: {_DEFAULT_NOISE:g} x max_torque)')
-    parser.add_argument('--seed', metavar='N', type=int, default=0,
+    parser.add_argument('--seed', metavar='N', type=number(0, 2 ** 31, int), default=0,
                         help='another number gives another motion (default: %(default)s)')
 
 
