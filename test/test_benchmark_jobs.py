@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from hand_load_estimator import cli
 from hand_load_estimator.benchmark import execute
 from hand_load_estimator.errors import ConfigurationError
 
@@ -43,7 +44,7 @@ def test_a_cluster_gives_its_results_to_this_process(tmp_path, monkeypatch):
     told, jobs = [], {f'n{k}': (k,) for k in (4, -1, 9)}
     found = execute.measure_all(math.sqrt, jobs, tmp_path, backend='loky', write=told.append)
     assert found == {'n4': 2.0, 'n9': 3.0} and asked == [os.getpid()] * 2
-    assert given == [{'backend': 'loky', 'n_jobs': -1}]
+    assert given[-1] == {'backend': 'loky', 'n_jobs': -1}
     assert any('n-1 failed: ValueError' in line for line in told)
     assert sorted(path.name for path in tmp_path.iterdir()) == ['n4.json', 'n9.json']
     # What is there is not measured again, and what failed is tried.
@@ -58,6 +59,18 @@ def test_a_cluster_needs_joblib(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, 'joblib', None)
     with pytest.raises(ConfigurationError, match='--backend.*joblib'):
         execute.measure_all(math.sqrt, {'n1': (1,)}, tmp_path, 1, 'dask', lambda text: None)
+
+
+@pytest.mark.parametrize('backend', ['nope', 'multiprocessing', ''])
+def test_a_backend_that_cannot_serve_is_refused_before_the_run(tmp_path, capsys, backend):
+    """Whether there is none of that name, or one whose results come only all at once."""
+    pytest.importorskip('joblib', reason='joblib is not installed')
+    for suite in ('base', 'base,cold'):
+        assert cli.main(['benchmark', '--suite', suite, '--backend', backend, '--out',
+                         str(tmp_path / 'out')]) == 2
+        said = capsys.readouterr().err
+        assert '--backend' in said and backend in said and said.count('\n') == 1
+    assert not (tmp_path / 'out').exists()
 
 
 INTERRUPTED = """

@@ -61,7 +61,7 @@ def measure_all(measure, jobs, folder, workers=None, backend=PROCESSES, write=pr
     write(f'{len(results)} of {len(jobs)} are there')
     calls = [(measure, label, arguments, folder) for label, arguments in jobs.items()
              if label not in results]
-    run = partial(_processes, jobs_each=1) if alone else _runner(backend)
+    run = partial(_processes, jobs_each=1) if alone else runner_of(backend)
     began, done, tried = time.monotonic(), len(results), 0
     with closing(run(calls, 1 if alone else workers)) as outcomes:
         for label, content, failure in outcomes:
@@ -86,7 +86,12 @@ def _attempt(work, label, *arguments):
         return label, None, f'{type(error).__name__}: {error}'
 
 
-def _runner(backend):
+def runner_of(backend):
+    """
+    Return run(calls, workers) -> iterator of outcomes, on a backend as of measure_all.
+
+    Raises ConfigurationError where there is no such backend.
+    """
     return _processes if backend == PROCESSES else _joblib_runner(backend)
 
 
@@ -104,10 +109,15 @@ def _as_text(measure, arguments):
 def _joblib_runner(backend):
     try:
         from joblib import delayed, Parallel, parallel_config
+        with parallel_config(backend=backend):
+            Parallel(return_as='generator_unordered')
     except ModuleNotFoundError:
         raise ConfigurationError('--backend', 'needs joblib, which is not installed', backend,
                                  PROCESSES, '`pip install joblib`, or leave --backend out') \
             from None
+    except ValueError as error:
+        raise ConfigurationError('--backend', 'cannot be used', backend,
+                                 f'{PROCESSES}, or one of joblib', str(error)) from None
 
     def run(calls, workers):
         """Yield the outcomes of calls as they come, from so many workers (None: all)."""

@@ -18,7 +18,7 @@ from .cost import cost_jobs, cost_scores, measure_cost
 from .cost_page import cost_blocks
 from .document import Heading, Text, write_pages
 from .effect_cases import plants_of
-from .execute import measure_all, PROCESSES
+from .execute import measure_all, PROCESSES, runner_of
 from .goals import goal_rows, goal_table
 from .hidden_scores import hidden_scores
 from .joined import refuse_mixture, run_name, write_index, write_scores
@@ -254,5 +254,6 @@ def _checked(options, out):
     """Return the options, refused here rather than after hours where they are wrong."""
     chosen_methods(options.methods)
     chosen_rivals(options.rivals)
+    runner_of(options.backend)
     refuse_mixture(out, _run(options, '', ''))
     return options
