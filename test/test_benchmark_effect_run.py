@@ -89,9 +89,21 @@ def test_what_cannot_be_made_is_skipped_with_its_reason(small, tmp_path):
 
 def test_a_broken_case_is_told_and_tried_again(tmp_path):
     case = EffectCase('clean', PLANT)
-    (found,) = effect_run.run_cases([case], 'no such arm', tmp_path / 'raw', 1, lambda text: None)
+    (found,) = effect_run.run_cases([case], 'no such arm', tmp_path / 'raw', 1,
+                                    write=lambda text: None)
     assert found['failed'].startswith('ConfigurationError: ') and found['label'] == case.label
     assert not list((tmp_path / 'raw').iterdir())
+
+
+def test_cases_are_measured_on_the_backend_that_was_chosen(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(effect_run, 'suite_cases', lambda *_: [])
+    monkeypatch.setattr(effect_run, 'measure_all',
+                        lambda *args, **_: asked.append(args[3:5]) or {})
+    monkeypatch.setattr(effect_run, 'runner_of', lambda backend: asked.append(backend))
+    monkeypatch.setattr(effect_run, 'write_results', lambda *_: 'page')
+    assert effect_run.run_effects('ur10e', tmp_path, '', workers=2, backend='dask') == 'page'
+    assert asked == ['dask', (2, 'dask')]
 
 
 def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
@@ -138,10 +150,10 @@ def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(effect_run, 'run_effects', lambda *args: called.append(args) or 'page')
     assert cli.main(['benchmark', '--suite', 'effects', '--out', str(tmp_path)]) == 0
     assert called[0][:2] == ('ur10e', str(tmp_path)) and 'page' in capsys.readouterr().out
-    assert called[0][-2:] == (None, False)
-    assert cli.main(['benchmark', '--suite', 'effects', '--development', '--workers', '1', '--out',
-                     str(tmp_path)]) == 0
-    assert called[1][-2:] == (1, True)
+    assert called[0][-3:] == (None, False, 'processes')
+    assert cli.main(['benchmark', '--suite', 'effects', '--development', '--workers', '1',
+                     '--backend', 'loky', '--out', str(tmp_path)]) == 0
+    assert called[1][-3:] == (1, True, 'loky')
     for option in ('--learned', '--methods', '--cases'):
         assert cli.main(['benchmark', '--suite', 'effects', option, '7', '--out', 'y']) == 2
         assert option in capsys.readouterr().err

@@ -10,24 +10,24 @@ from .effect_cases import suite_cases
 from .effect_measure import case_result
 from .effect_page import effects_markdown
 from .effect_scores import effect_rows, pair_rows, totals
-from .execute import measure_all
+from .execute import measure_all, PROCESSES, runner_of
 from .provenance import commit_now, same_run, sources
 from .run import SCHEMA
 
 SUITE = 'effects'
 
 
-def run_cases(cases, robot_path, folder, workers=None, write=print):
+def run_cases(cases, robot_path, folder, workers=None, backend=PROCESSES, write=print):
     """
     Measure EffectCases into folder/<label>.json and return their results in the cases' order.
 
-    folder, workers: as of measure_all. What is there already is read. A case that raises in a
-    worker becomes a result with `failed`, so that the page names it, and is tried again by the
-    next run.
+    folder, workers, backend: as of measure_all. What is there already is read. A case that raises
+    in a worker becomes a result with `failed`, so that the page names it, and is tried again by
+    the next run.
     """
     failures = {}
     found = measure_all(case_result, {case.label: (case, str(robot_path)) for case in cases},
-                        folder, workers, write=write, failures=failures)
+                        folder, workers, backend, write, failures=failures)
     return [found[case.label] if case.label in found else _failed(case, failures[case.label])
             for case in cases]
 
@@ -38,13 +38,16 @@ def _failed(case, why):
                         for h in case.hidden], 'failed': why}
 
 
-def run_effects(robot_name, folder, command, write=print, workers=None, development=False):
+def run_effects(robot_name, folder, command, write=print, workers=None, development=False,
+                backend=PROCESSES):
     """
     Measure the suite into `folder`: raw results per case, scores.json, README.md, index.html.
 
-    development: the cases of the seeds for looking and choosing. Returns the page. A run broken
-    off from the keyboard writes the pages of what it has.
+    development: the cases of the seeds for looking and choosing; workers, backend: as of
+    measure_all. Returns the page. A run broken off from the keyboard writes the pages of what it
+    has.
     """
+    runner_of(backend)
     robot_path = find_shared(robot_name, 'robots')
     out = Path(folder)
     raw = out / 'raw'
@@ -54,7 +57,7 @@ def run_effects(robot_name, folder, command, write=print, workers=None, developm
     same_run(raw, key)
     cases = suite_cases(load_robot(robot_path), development)
     try:
-        results = run_cases(cases, robot_path, raw, workers, write)
+        results = run_cases(cases, robot_path, raw, workers, backend, write)
     except KeyboardInterrupt:
         write_results(out, there(cases, raw), cases, command, key['commit'])
         raise

@@ -53,10 +53,11 @@ def add_arguments(parser):
     parser.add_argument('--development', action='store_true',
                         help='on seeds for looking and choosing, not the benchmark\'s')
     parser.add_argument('--workers', default=None, type=number(0, kind=int), metavar='N',
-                        help='processes (default: one per core, or all that the backend has)')
+                        help='processes (default: one per core, or all that the backend has); '
+                             'soak and retraining are one')
     parser.add_argument('--backend', default='processes', metavar='NAME',
                         help='processes, or a backend of joblib for a cluster (default: '
-                             'processes)')
+                             'processes); cost, soak and retraining stay on this machine')
 
 
 def run(args):
@@ -75,7 +76,8 @@ def run(args):
 
     if args.suite == SUITE:
         _only_of_others(args)
-        print(run_effects(args.robot, args.out, command, write, args.workers, args.development))
+        print(run_effects(args.robot, args.out, command, write, args.workers, args.development,
+                          args.backend))
         return 0
     learned = args.learned and str(find_shared(args.learned, 'learned'))
     options = Options(args.robot, learned, args.cases, args.methods, args.rivals, args.hours,
