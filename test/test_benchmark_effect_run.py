@@ -154,7 +154,7 @@ def test_the_command_chooses_the_suite(tmp_path, monkeypatch, capsys):
     assert cli.main(['benchmark', '--suite', 'effects', '--development', '--workers', '1',
                      '--backend', 'loky', '--out', str(tmp_path)]) == 0
     assert called[1][-3:] == (1, True, 'loky')
-    for option in ('--learned', '--methods', '--cases'):
+    for option in ('--learned', '--methods', '--cases', '--rivals', '--hours', '--data'):
         assert cli.main(['benchmark', '--suite', 'effects', option, '7', '--out', 'y']) == 2
         assert option in capsys.readouterr().err
 

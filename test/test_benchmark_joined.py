@@ -6,7 +6,7 @@ import math
 import pytest
 
 from hand_load_estimator import cli
-from hand_load_estimator.benchmark import joined, run
+from hand_load_estimator.benchmark import joined, offline, run
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.shared_files import share_folder
 
@@ -28,6 +28,21 @@ def test_wrong_choices_are_refused_at_once(options, match, tmp_path):
     with pytest.raises(ConfigurationError, match=match):
         run.run_suites('base', options, tmp_path, '')
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(('suites', 'unasked', 'allowed'), [
+    ('changes,cost', {'rivals': ('figaroh',)}, 'figaroh.*accuracy suites and real'),
+    ('base,arms', {'hours': 2.0}, '2.0.*changes and soak'),
+    ('soak', {'data': 'elsewhere'}, 'elsewhere.*real'),
+    ('real,cost', {'cases': 8}, '8.*all suites but')])
+def test_what_no_suite_asks_is_refused(suites, unasked, allowed, tmp_path, monkeypatch):
+    monkeypatch.setattr(offline, '_identify', lambda name: None)
+    (option,) = unasked
+    with pytest.raises(ConfigurationError, match=f'--{option}: is not asked by .*{allowed}'):
+        run.run_suites(suites, run.Options(**unasked), tmp_path, '')
+    assert not list(tmp_path.iterdir())
+    # Beside a suite that asks it the others may stand.
+    run._refuse_unasked(run.suite_names('all'), run.Options(**unasked))
 
 
 def run_of(options, commit='abc', command='the command'):

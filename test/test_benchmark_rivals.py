@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.benchmark import offline
-from hand_load_estimator.benchmark.run import Options, run_suites
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.motion import MotionSample
 
@@ -47,12 +46,6 @@ def test_a_rival_without_its_package_says_how_to_get_it(monkeypatch):
     monkeypatch.delitem(sys.modules, 'hand_load_estimator.benchmark.rival_figaroh', raising=False)
     with pytest.raises(ConfigurationError, match='figaroh.*pip install figaroh'):
         offline.chosen_rivals(('figaroh',))
-
-
-def test_suites_that_ask_no_rival_refuse_them(tmp_path, monkeypatch):
-    monkeypatch.setattr(offline, '_identify', lambda name: None)
-    with pytest.raises(ConfigurationError, match='--rivals.*changes, cost'):
-        run_suites('changes,cost', Options('ur10e', rivals=('figaroh',)), tmp_path, '')
 
 
 def test_rivals_get_the_run_so_far_and_no_standing_joints():

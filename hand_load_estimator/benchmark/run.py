@@ -232,9 +232,7 @@ def run_suites(suites, options, folder, command, write=print):
     """
     names, out = suite_names(suites), Path(folder)
     options = _checked(options, out)
-    if options.rivals and set(names) <= set(OTHERS) - {'real'}:
-        raise ConfigurationError('--rivals', f'are not asked by {", ".join(names)}',
-                                 ', '.join(options.rivals), 'the accuracy suites and real')
+    _refuse_unasked(names, options)
     pages, failed = [], {}
     for name in names:
         write(f'suite {name}')
@@ -248,6 +246,21 @@ def run_suites(suites, options, folder, command, write=print):
         # A day's suites: what is there so far can be read, and a kill loses none of it.
         index = write_index(out, SCHEMA, failed)
     return pages[0] if len(names) == 1 else index
+
+
+def _refuse_unasked(names, options):
+    """Refuse an option that none of the suites asks, rather than leave it out unsaid."""
+    every = {*SUITES, *ARM_SUITES, *OTHERS}
+    for option, suites, told in (
+            ('cases', every - {'real', 'cost', 'soak'}, 'all suites but real, cost and soak'),
+            ('rivals', every - {*OTHERS} | {'real'}, 'the accuracy suites and real'),
+            ('hours', {'changes', 'soak'}, 'changes and soak'),
+            ('data', {'real'}, 'real')):
+        value = getattr(options, option)
+        if value != getattr(Options, option) and suites.isdisjoint(names):
+            raise ConfigurationError(
+                f'--{option}', f'is not asked by {", ".join(names)}',
+                ', '.join(value) if isinstance(value, tuple) else value, told)
 
 
 def _checked(options, out):

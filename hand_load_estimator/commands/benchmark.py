@@ -65,17 +65,15 @@ def run(args):
     from ..benchmark.effect_run import run_effects, SUITE
     from ..benchmark.run import Options, run_suites
     from ..shared_files import find_shared
-    given = ' '.join(f'--{name.replace("_", "-")}' if value is True else
-                     f'--{name} {",".join(value) if isinstance(value, tuple) else value}'
-                     for name, value in vars(args).items()
-                     if value not in (None, (), False) and (name, value) not in _DEFAULTS)
-    command = f'hand_load benchmark {given}'
+    given = _given(args)
+    command = ' '.join(['hand_load benchmark', *(
+        f'--{name}' if value is True else f'--{name} {value}' for name, value in given.items())])
 
     def write(text):
         print(text, flush=True)
 
     if args.suite == SUITE:
-        _only_of_others(args)
+        _only_of_others(given)
         print(run_effects(args.robot, args.out, command, write, args.workers, args.development,
                           args.backend))
         return 0
@@ -86,14 +84,20 @@ def run(args):
     return 0
 
 
-def _only_of_others(args):
-    """Refuse what suite effects does not take, rather than leave it out unsaid."""
-    for name in ('learned', 'cases', 'methods', 'rivals', 'hours'):
-        if getattr(args, name) not in (None, ()):
-            raise ConfigurationError(f'--{name}', 'does not go with the suite',
-                                     getattr(args, name),
-                                     'nothing: effects has its own cases, judged with bayes')
-
-
 # Said in the command line that a page shows only when they differ from this.
 _DEFAULTS = (('data', '../shared/data'), ('backend', 'processes'))
+
+
+def _given(args):
+    """Return {option: value} of what is asked for, lists with commas as on the command line."""
+    return {name: ','.join(value) if isinstance(value, tuple) else value
+            for name, value in vars(args).items()
+            if value not in (None, (), False) and (name, value) not in _DEFAULTS}
+
+
+def _only_of_others(given):
+    """Refuse what suite effects does not take, rather than leave it out unsaid."""
+    for name in ('learned', 'cases', 'methods', 'rivals', 'hours', 'data'):
+        if name in given:
+            raise ConfigurationError(f'--{name}', 'does not go with the suite', given[name],
+                                     'nothing: effects has its own cases, judged with bayes')
