@@ -2,11 +2,12 @@
 
 import json
 import math
+import re
 
 import pytest
 
 from hand_load_estimator import cli
-from hand_load_estimator.benchmark import joined, offline, run
+from hand_load_estimator.benchmark import effect_run, joined, offline, run
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.shared_files import share_folder
 
@@ -19,6 +20,15 @@ def test_names_of_suites():
     assert 'development' not in run.suite_names('all')
     with pytest.raises(ConfigurationError, match='--suite'):
         run.suite_names('base,magic')
+
+
+def test_the_help_names_every_suite(capsys):
+    """Written by hand there: the suites themselves take seconds to import."""
+    with pytest.raises(SystemExit):
+        cli.main(['benchmark', '--help'])
+    (told,) = re.findall(r'--suite NAMES (.*)--robot R.yaml ', capsys.readouterr().out, re.DOTALL)
+    for name in (*run.SUITES, 'arms', *run.OTHERS, 'all', effect_run.SUITE):
+        assert re.search(rf'\b{name}\b', told), name
 
 
 @pytest.mark.parametrize(('options', 'match'), [

@@ -23,11 +23,12 @@ def add_arguments(parser):
                              'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
-                             'cold, warm, slow, fast, inertia, undeclared, arms, changes, '
-                             'suggestion (following suggested motions), pushes (on the hand), '
-                             'real, cost, soak, retraining (the artefact beside a better '
-                             'model), or several of them with commas; all (but for retraining); '
-                             'or effects (diagnosis of undeclared effects; hours)')
+                             'cold, warm, slow, fast, sparse (identified from little), '
+                             'inertia, undeclared, arms, changes, suggestion (following '
+                             'suggested motions), pushes (on the hand), real, cost, soak, '
+                             'retraining (the artefact beside a better model), or several of '
+                             'them with commas; all (but for retraining); or effects (diagnosis '
+                             'of undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
     parser.add_argument('--learned', default=None, metavar='DIR',
