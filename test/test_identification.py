@@ -283,6 +283,7 @@ def test_what_the_load_argument_says_goes_before_load_yaml(folder):
 @pytest.mark.parametrize('arguments, words', [
     (['unknown'], ['unknown', 'does not say its load', '--load']),
     (['nowhere'], ['nowhere']), (['empty', '--effects', 'magic'], ['magic', 'coulomb_friction']),
+    (['empty', '--effects', ''], ['--effects', 'coulomb_friction']),
     (['empty', '--load', 'nowhere.yaml'], ['--load', 'nowhere.yaml']),
     (['half'], ['half', 'com']),
     # The same half-known load, told on the command line, is no better known.

@@ -69,7 +69,7 @@ def run(args):
     out = output_file(args.out)
     robot = load_robot(find_shared(args.robot, 'robots'))
     evidence = read_evidence(robot, args)
-    effects = args.effects.split(',') if args.effects else None
+    effects = None if args.effects is None else args.effects.split(',')
     model = identify(robot, evidence, effects, progress=_say)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
