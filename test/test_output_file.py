@@ -25,3 +25,46 @@ def test_a_place_that_is_none_is_told(tmp_path, name, said):
 def test_commands_look_before_they_read_anything(tmp_path, capsys, command):
     assert main([*command, str(tmp_path / 'nowhere' / 'result')]) == 2
     assert 'make the folder first' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('there, kind', [
+    ('schema: hand_load/torque_model/1', 'hand_load/torque_model/2'), ('', 'hand_load/estimate/1'),
+    ('', None)])
+def test_an_earlier_result_may_be_replaced(tmp_path, there, kind):
+    (tmp_path / 'there').write_text(there)
+    assert output_file(tmp_path / 'there', kind) == tmp_path / 'there'
+
+
+@pytest.mark.parametrize('kind, said', [('hand_load/estimate/1', 'no earlier result'),
+                                        (None, 'exists already')])
+def test_a_file_of_another_kind_stays(tmp_path, kind, said):
+    (tmp_path / 'load.yaml').write_text('mass: 2.0')
+    with pytest.raises(ConfigurationError, match=said):
+        output_file(tmp_path / 'load.yaml', kind)
+
+
+def test_an_input_stays_by_whatever_name(tmp_path):
+    model = tmp_path / 'model.yaml'
+    model.write_text('schema: hand_load/torque_model/1')
+    (tmp_path / 'link.yaml').symlink_to(model)
+    with pytest.raises(ConfigurationError, match='what the command reads'):
+        output_file(tmp_path / 'link.yaml', 'hand_load/torque_model/1', (None, 'none', model))
+
+
+@pytest.mark.parametrize('command', [
+    ['identify', 'no_recording', '--robot', 'ur10e', '--out'],
+    ['estimate', 'no_recording', '--model', 'ur10e', '--out'],
+    ['excite', '--robot', 'ur10e', '--out'], ['new-robot', 'no.urdf', '--out']])
+def test_commands_leave_a_file_of_the_user(tmp_path, capsys, command):
+    mine = tmp_path / 'mine.yaml'
+    mine.write_text('name: my_arm')
+    assert main([*command, str(mine)]) == 2
+    assert str(mine) in capsys.readouterr().err and mine.read_text() == 'name: my_arm'
+
+
+def test_a_model_is_not_drawn_over(tmp_path, capsys):
+    pytest.importorskip('rclpy')
+    mine = tmp_path / 'model.yaml'
+    mine.write_text('name: my_arm')
+    assert main(['demo', '--out', str(mine)]) == 2
+    assert 'no earlier result' in capsys.readouterr().err

@@ -13,6 +13,7 @@ from ..demo_table import LiveTable
 from ..errors import ConfigurationError
 from ..estimators.registry import DEFAULT, METHODS
 from ..number_argument import number
+from ..output_file import output_file
 from ..report.demo_figure import draw_demo
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -21,6 +22,8 @@ EXAMPLE = """
 hand_load demo
 hand_load demo --seed 4 --temperature 40 --out demo.png
 """
+# In every picture that matplotlib writes, of whatever format.
+_PICTURE = 'Matplotlib'
 
 
 def add_arguments(parser):
@@ -65,8 +68,8 @@ def _run(args):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     robot = load_robot(find_shared(args.robot, 'robots'))
     load = draw_load(args.seed, robot.rated_load)
-    picture = Path(args.out)
-    picture.parent.mkdir(parents=True, exist_ok=True)
+    Path(args.out).parent.mkdir(parents=True, exist_ok=True)
+    picture = output_file(args.out, _PICTURE)
     logs = Path(tempfile.mkdtemp(prefix='hand_load_demo_'))
     settings = DemoSettings(args.robot, args.method, args.temperature, logs)
     print(f'simulator, estimator and controller start; their logs are in {logs}', flush=True)

@@ -31,14 +31,15 @@ def add_arguments(parser):
 
 def run(args):
     """Estimate, write the JSON and print the answer."""
-    from ..estimation import estimate_recording
+    from ..estimation import estimate_recording, SCHEMA
     from ..estimators.build import build_pipeline
     from ..output_file import output_file
     from ..recording import read_recording
     from ..shared_files import find_shared
-    out = output_file(args.out)
+    model = find_shared(args.model, 'models')
     learned = args.learned and str(find_shared(args.learned, 'learned'))
-    pipeline = build_pipeline(args.model, args.method, learned, tool_path=args.tool)
+    out = output_file(args.out, SCHEMA, (args.recording, model, learned, args.tool))
+    pipeline = build_pipeline(model, args.method, learned, tool_path=args.tool)
     # The answer must not know the load: load.yaml is not read.
     recording = read_recording(args.recording, with_load=False, **topics(args))
     result = estimate_recording(pipeline, recording)

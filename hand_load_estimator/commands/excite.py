@@ -67,11 +67,7 @@ def _within(option, value, low, high):
 
 def _outputs(out):
     base = Path(out).with_suffix('') if Path(out).suffix in ('.csv', '.yaml') else Path(out)
-    paths = [base.with_name(base.name + suffix) for suffix in ('.csv', '.yaml')]
-    for path in paths:
-        if path.exists():
-            raise ConfigurationError(path, 'exists already', todo='give the name of a new file')
-    return [output_file(path) for path in paths]
+    return [output_file(base.with_name(base.name + suffix)) for suffix in ('.csv', '.yaml')]
 
 
 class _Progress:

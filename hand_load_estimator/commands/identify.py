@@ -60,14 +60,15 @@ def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification import identify
     from ..identified_sense import nonsense
-    from ..model_file import write_model
+    from ..model_file import SCHEMA, write_model
     from ..output_file import output_file
     from ..residual.repeats import share_repeated
     from ..robot import load_robot
     from ..shared_files import find_shared
     from ..unknown_friction import told_of_unknown_friction
-    out = output_file(args.out)
-    robot = load_robot(find_shared(args.robot, 'robots'))
+    robot_path = find_shared(args.robot, 'robots')
+    out = output_file(args.out, SCHEMA, (*args.recordings, robot_path, args.load))
+    robot = load_robot(robot_path)
     evidence = read_evidence(robot, args)
     effects = None if args.effects is None else args.effects.split(',')
     model = identify(robot, evidence, effects, progress=_say)

@@ -1,6 +1,5 @@
 """`hand_load new-robot`: a robot file to complete, from a URDF."""
 
-from ..errors import ConfigurationError
 from ..output_file import output_file
 from ..robot_draft import draft_robot_file, read_chain, TO_COMPLETE, values_to_complete
 
@@ -23,8 +22,6 @@ def add_arguments(parser):
 def run(args):
     """Write the draft and say what is left to do."""
     out = output_file(args.out)
-    if out.exists():
-        raise ConfigurationError(out, 'exists already', todo='give the name of a new file')
     chain = read_chain(args.urdf, args.tip)
     out.write_text(draft_robot_file(chain, args.urdf, out), encoding='utf-8')
     print(f'{out}: {len(chain.joints)} joints from {chain.base} to {chain.tip}: '
