@@ -25,6 +25,25 @@ def output_file(path, kind=None, inputs=()):
     return path
 
 
+def output_folder(path, files=None, inputs=()):
+    """
+    Return the path of a folder, there or not, as Path; ConfigurationError where there can be none.
+
+    files: {name: kind} of what is written in it; kind and inputs: as of output_file.
+    """
+    path = Path(path)
+    there = next(p for p in (path, *path.parents) if os.path.lexists(p))
+    if not there.is_dir():
+        raise ConfigurationError(path, f'cannot be made: {there} is no folder',
+                                 todo='give the name of a folder')
+    _refuse_unwritable(there, path)
+    _refuse_input(path, inputs)
+    for name, kind in (files or {}).items():
+        if (path / name).exists():
+            output_file(path / name, kind, inputs)
+    return path
+
+
 def _refuse_unwritable(there, path):
     if not os.access(there, os.W_OK):
         raise ConfigurationError(path, 'cannot be written', todo='give a place of your own')

@@ -8,6 +8,7 @@ from .errors import ConfigurationError
 from .load import LoadParameters
 from .load_file import load_of_argument, placed, write_load_file
 from .number_argument import number
+from .output_file import output_folder
 from .plant import JointEvent, read_effects, simulate_motion
 from .recording import JointSample, RecordingWriter, TemperatureSample
 from .robot import load_robot
@@ -81,6 +82,7 @@ def samples_of(event, joints):
 
 def run(args):
     """Simulate and write the recording."""
+    out = output_folder(args.out)
     robot = load_robot(find_shared(args.robot, 'robots'))
     load = placed(*load_of_argument(args.load), args.load)
     effects = read_effects(args.effects, robot) if args.effects else ()
@@ -92,7 +94,7 @@ def run(args):
                              run=args.motion_seed, load=load,
                              effects=effects, start_temperature=temperature, rate=args.rate)
     began = time.monotonic()
-    count = _write(Path(args.out), events, robot.joints, load, SETTLE + motion.end)
+    count = _write(out, events, robot.joints, load, SETTLE + motion.end)
     took = time.monotonic() - began
     print(f'{args.out}: {SETTLE + motion.end:.1f} s of {robot.file.name}, {count} joint states, '
           f'load {_told(load)}; {(SETTLE + motion.end) / took:.1f} times real time')

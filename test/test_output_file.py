@@ -4,7 +4,7 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.output_file import output_file
+from hand_load_estimator.output_file import output_file, output_folder
 
 
 def test_a_place_that_is_there_is_taken(tmp_path):
@@ -68,3 +68,37 @@ def test_a_model_is_not_drawn_over(tmp_path, capsys):
     mine.write_text('name: my_arm')
     assert main(['demo', '--out', str(mine)]) == 2
     assert 'no earlier result' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('name', ['.', 'new', 'new/below'])
+def test_a_folder_is_there_or_can_be_made(tmp_path, name):
+    assert output_folder(tmp_path / name) == tmp_path / name
+    assert not list(tmp_path.iterdir()), 'it is made when there is something to write'
+
+
+@pytest.mark.parametrize('command', [
+    ['diagnose', 'no_recording', '--model', 'ur10e'], ['train', '--model', 'ur10e'],
+    ['learn-gp', 'no_recording', '--model', 'ur10e'], ['simulate', '--robot', 'ur10e'],
+    ['benchmark', '--workers', '1']])
+@pytest.mark.parametrize('below', ['', 'below'])
+def test_commands_look_for_their_folder_before_the_work(tmp_path, capsys, command, below):
+    (tmp_path / 'file').write_text('')
+    assert main([*command, '--out', str(tmp_path / 'file' / below)]) == 2
+    said = capsys.readouterr().err.strip()
+    assert f'{tmp_path / "file"} is no folder' in said and '\n' not in said
+
+
+def test_an_artefact_is_not_fine_tuned_over_itself(tmp_path, capsys):
+    assert main(['train', '--model', 'ur10e', '--start-from', str(tmp_path), '--out',
+                 str(tmp_path)]) == 2
+    assert 'what the command reads' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('command, name', [
+    (['train', '--model', 'ur10e'], 'card.json'),
+    (['learn-gp', 'no_recording', '--model', 'ur10e'], 'difference.json'),
+    (['benchmark'], 'README.md'), (['benchmark'], 'scores.json')])
+def test_a_file_in_the_folder_stays_too(tmp_path, capsys, command, name):
+    (tmp_path / name).write_text('mine')
+    assert main([*command, '--out', str(tmp_path)]) == 2
+    assert str(tmp_path / name) in capsys.readouterr().err

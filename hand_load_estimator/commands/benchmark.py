@@ -1,7 +1,10 @@
 """`hand_load benchmark`: accuracy beside rivals on simulated arms training never saw."""
 
+from pathlib import Path
+
 from ..errors import ConfigurationError
 from ..number_argument import number
+from ..output_file import output_folder
 
 EXAMPLE = """
 hand_load benchmark --out out/benchmark
@@ -66,6 +69,7 @@ def run(args):
     from ..benchmark.effect_run import run_effects, SUITE
     from ..benchmark.run import Options, run_suites
     from ..shared_files import find_shared
+    _check_folder(args.out)
     given = _given(args)
     command = ' '.join(['hand_load benchmark', *(
         f'--{name}' if value is True else f'--{name} {value}' for name, value in given.items())])
@@ -83,6 +87,14 @@ def run(args):
                       args.data, args.development, args.workers, args.backend)
     print(run_suites(args.suite, options, args.out, command, write))
     return 0
+
+
+def _check_folder(path):
+    """Refuse a folder whose pages are none of a benchmark's, which has its scores beside them."""
+    from ..benchmark.run import SCHEMA
+    scores = Path(path) / 'scores.json'
+    output_folder(path, {scores.name: SCHEMA} if scores.exists()
+                  else dict.fromkeys(('README.md', 'index.html')))
 
 
 # Said in the command line that a page shows only when they differ from this.

@@ -13,7 +13,7 @@ from ..demo_table import LiveTable
 from ..errors import ConfigurationError
 from ..estimators.registry import DEFAULT, METHODS
 from ..number_argument import number
-from ..output_file import output_file
+from ..output_file import output_file, output_folder
 from ..report.demo_figure import draw_demo
 from ..robot import load_robot
 from ..shared_files import find_shared
@@ -68,7 +68,7 @@ def _run(args):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     robot = load_robot(find_shared(args.robot, 'robots'))
     load = draw_load(args.seed, robot.rated_load)
-    Path(args.out).parent.mkdir(parents=True, exist_ok=True)
+    output_folder(Path(args.out).parent).mkdir(parents=True, exist_ok=True)
     picture = output_file(args.out, _PICTURE)
     logs = Path(tempfile.mkdtemp(prefix='hand_load_demo_'))
     settings = DemoSettings(args.robot, args.method, args.temperature, logs)

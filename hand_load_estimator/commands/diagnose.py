@@ -34,6 +34,7 @@ def run(args):
     """Diagnose, write report and model, say what was found."""
     from ..load_file import load_of_argument
     from ..model_file import read_model, write_model
+    from ..output_file import output_folder
     from ..recording_mark import refuse_repeats
     from ..report.diagnosis_json import diagnosis_content
     from ..report.diagnosis_page import sentences, write_page
@@ -42,7 +43,9 @@ def run(args):
                                        with_load_errors)
     from ..shared_files import find_shared
     from .identify import dated, known_load, placed, stated_load
-    model = read_model(find_shared(args.model, 'models'))
+    model_path = find_shared(args.model, 'models')
+    out = output_folder(args.out, inputs=(*args.recordings, *args.test, model_path))
+    model = read_model(model_path)
     start = args.fine_tune and _artefact(args.fine_tune, model.robot)
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     load = known_load if given is None else lambda recording: given
@@ -52,7 +55,6 @@ def run(args):
     diagnosis, better = diagnose(model, evidence, [e for e, _, _ in filter(known_torque, tests)],
                                  _say)
     diagnosis = with_load_errors(diagnosis, model, better, tests)
-    out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
     # Where no joint slid, the model was held against nothing.
     told = diagnosis.sliding is not None

@@ -1,6 +1,5 @@
 """`hand_load learn-gp`: what a torque model leaves without load, learned for methods gp_..."""
 
-from pathlib import Path
 import sys
 
 from .identify import read_evidence
@@ -28,16 +27,20 @@ def add_arguments(parser):
 
 def run(args):
     """Learn, write the artefact and say what it takes off the residual."""
+    from ..learning.difference_artefact import CARD, SCHEMA
     from ..learning.difference_inputs import parse_inputs
     from ..learning.learn_difference import learn_difference
     from ..model_file import read_model
+    from ..output_file import output_folder
     from ..shared_files import find_shared
     names = parse_inputs(args.inputs)
-    model = read_model(find_shared(args.model, 'models'))
+    model_path = find_shared(args.model, 'models')
+    out = output_folder(args.out, {CARD: SCHEMA}, (*args.recordings, model_path, args.load))
+    model = read_model(model_path)
     evidence = read_evidence(model.robot, args)
-    result = learn_difference(args.out, model, evidence, args.function, names,
+    result = learn_difference(out, model, evidence, args.function, names,
                               write=lambda text: print(text, file=sys.stderr, flush=True))
-    print(f'artefact in {Path(args.out)}')
+    print(f'artefact in {out}')
     print('low-frequency residual on recordings left out, with it over without it:')
     for name, share in zip(model.robot.joints, result.share):
         print(f'{name:24s} {share:5.2f}')

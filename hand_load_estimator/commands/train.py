@@ -4,7 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import ConfigurationError
+from ..learning.artefact import CARD, SCHEMA
 from ..learning.direct_design import design_for, NETWORKS, SIZES
+from ..output_file import output_folder
 from ..shared_files import find_shared
 
 EXAMPLE = """
@@ -73,10 +75,11 @@ def _train(args):
         print(text, flush=True)
 
     model = find_shared(args.model, 'models')
+    start = args.start_from and find_shared(args.start_from, 'learned')
+    output_folder(args.out, {CARD: SCHEMA}, (model, start))
     if args.network == 'lstm':
         from ..learning.training import FINE_TUNING, Recipe, train
         _refuse(args, ('joints', 'parameters', *SIZES), ', '.join(NETWORKS))
-        start = args.start_from and find_shared(args.start_from, 'learned')
         recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
         return train(model, args.out, recipe, args.device, write, start)
     from ..learning.direct_training import DirectRecipe, train_direct
