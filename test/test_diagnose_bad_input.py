@@ -210,3 +210,23 @@ def test_a_place_that_is_a_file_is_named(folder, capsys):
                    '--out', str(folder / 'file')])
     said = capsys.readouterr().err.strip().splitlines()[-1]
     assert status == 2 and said.startswith('hand_load diagnose: ') and 'file' in said
+
+
+@pytest.mark.parametrize('name', ['report.html', 'report.json', 'model.yaml',
+                                  'model_with_correction.yaml', 'learned/card.json'])
+def test_a_file_of_the_user_stays(folder, tmp_path, capsys, name):
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text('mine')
+    assert main(['diagnose', str(folder / 'clean1'), '--model', str(folder / 'old.yaml'),
+                 '--out', str(tmp_path)]) == 2
+    assert f'{path}: is there, and no earlier result' in capsys.readouterr().err
+    assert path.read_text() == 'mine'
+
+
+def test_the_model_that_is_diagnosed_stays(folder, tmp_path, capsys):
+    path = tmp_path / 'model.yaml'
+    write_model(path, model())
+    assert main(['diagnose', str(folder / 'clean1'), '--model', str(path), '--out',
+                 str(tmp_path)]) == 2
+    assert f'{path}: is what the command reads' in capsys.readouterr().err

@@ -162,6 +162,19 @@ def test_nothing_is_found_on_an_arm_as_modelled(folder, capsys):
                                rtol=1e-7)
 
 
+def test_what_an_earlier_diagnosis_left_goes(folder):
+    """A correction or an artefact beside a report that tells of none would pass for its own."""
+    out = folder / 'again'
+    assert diagnosed(folder, 'clean1', out='again')[0] == 0
+    (out / 'mine.txt').write_text('mine')
+    shutil.copy(out / 'model.yaml', out / 'model_with_correction.yaml')
+    (out / 'learned').mkdir()
+    write_artefact(out / 'learned', {}, np.ones(1), {})
+    assert diagnosed(folder, 'clean1', out='again')[0] == 0
+    assert {p.name for p in out.rglob('*') if p.is_file()} == {
+        'report.html', 'report.json', 'model.yaml', 'mine.txt'}
+
+
 @pytest.mark.parametrize('name', ['clean1', 'clean2'])
 def test_nothing_is_found_in_one_short_recording(folder, name):
     """What the motion filter makes of friction at a reversal is no effect of the arm."""

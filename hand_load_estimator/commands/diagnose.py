@@ -32,10 +32,11 @@ def add_arguments(parser):
 
 def run(args):
     """Diagnose, write report and model, say what was found."""
+    from ..learning.artefact import CARD, read_artefact
     from ..load_file import load_of_argument
     from ..model_file import read_model, write_model
-    from ..output_file import output_folder
     from ..recording_mark import refuse_repeats
+    from ..report.diagnosis_folder import clear, diagnosis_folder
     from ..report.diagnosis_json import diagnosis_content
     from ..report.diagnosis_page import sentences, write_page
     from ..residual.diagnose import diagnose
@@ -44,9 +45,12 @@ def run(args):
     from ..shared_files import find_shared
     from .identify import dated, known_load, placed, stated_load
     model_path = find_shared(args.model, 'models')
-    out = output_folder(args.out, inputs=(*args.recordings, *args.test, model_path))
+    start = args.fine_tune and find_shared(args.fine_tune, 'learned')
+    out = diagnosis_folder(args.out, (*args.recordings, *args.test, model_path, args.load,
+                                      start and start / CARD))
     model = read_model(model_path)
-    start = args.fine_tune and _artefact(args.fine_tune, model.robot)
+    if start:
+        read_artefact(start, model.robot)
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     load = known_load if given is None else lambda recording: given
     evidence = [_read(model, path, args, load)[0] for path in args.recordings]
@@ -56,6 +60,7 @@ def run(args):
                                  _say)
     diagnosis = with_load_errors(diagnosis, model, better, tests)
     out.mkdir(parents=True, exist_ok=True)
+    clear(out)
     # Where no joint slid, the model was held against nothing.
     told = diagnosis.sliding is not None
     write_model(out / 'model.yaml', dated(better, diagnosis.sliding) if told else better)
@@ -91,15 +96,6 @@ def _read(model, path, args, load_of):
     evidence = prepare(model.robot, Path(path).name, motion, load, recording, rejected)
     _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected {sum(rejected.values())}')
     return evidence, recording, load
-
-
-def _artefact(name, robot):
-    """Return the folder of an artefact that fits a robot; refuse others before the long work."""
-    from ..learning.artefact import read_artefact
-    from ..shared_files import find_shared
-    folder = find_shared(name, 'learned')
-    read_artefact(folder, robot)
-    return folder
 
 
 def _say(text):

@@ -16,6 +16,8 @@ from .structure_section import structure_section
 from .words import (as_sentence, items_html, label_html, name_words, number_text, range_text,
                     share_text)
 
+# What every such page says, and by which it is known again.
+MARK = 'Diagnosis of the torque model of'
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
 # A test error that grew by more than this is no chance.
@@ -239,7 +241,7 @@ def page(diagnosis):
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f'<title>{head}</title><style>{STYLE}</style></head><body>'
-        f'<p class="quiet">Diagnosis of the torque model of {escape(diagnosis.robot)}</p>'
+        f'<p class="quiet">{MARK} {escape(diagnosis.robot)}</p>'
         f'<h1>{head}</h1>' + (_summary(diagnosis) if diagnosis.findings else '')
         + _errors(diagnosis) + _load(diagnosis) + _kept(diagnosis.kept)
         + _learned(diagnosis.fine_tuning)
