@@ -2,6 +2,7 @@
 
 from functools import lru_cache
 import math
+from pathlib import Path
 import signal
 
 from arm_data import arm_samples, box, Feeder
@@ -12,7 +13,9 @@ from std_srvs.srv import Trigger
 from test_nodes_estimator import Estimator
 from trajectory_msgs.msg import JointTrajectory
 
+from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.estimators.checkpoint import belongs_to, write_checkpoint
 from hand_load_estimator.nodes.checkpoint_keeper import CheckpointKeeper
 from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.qos import LATCHED
@@ -134,17 +137,47 @@ def test_a_method_that_cannot_hand_over_its_state_keeps_no_file(method, tmp_path
     assert values['file'] == 'none' and not list(tmp_path.iterdir())
 
 
-def test_a_checkpoint_it_cannot_use_does_not_stop_it(start, listener, tmp_path):
+def test_a_checkpoint_it_cannot_use_does_not_stop_it(pipeline, start, listener, tmp_path):
     path = tmp_path / 'load.checkpoint'
-    path.write_bytes(b'not a checkpoint at all')
+    write_checkpoint(path, pipeline.state(), belongs_to(pipeline))
+    path.write_bytes(path.read_bytes()[:-1])
     estimator, feeder = started(start, listener, '-p', f'checkpoint:={path}')
     feeder.play(standing())
     listener.until(lambda: 'refused' in estimator.said('checkpoint')[0], 5.0, 'a warning')
-    assert 'damaged' in estimator.values()['checkpoint']
+    told = estimator.values()['checkpoint']
+    assert 'damaged' in told and told.endswith(f', and the file is {path}.refused now')
     assert estimator.values()['determined'].startswith('0')
     assert estimator.stopped(signal.SIGTERM)[0] == 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ['load.checkpoint',
                                                           'load.checkpoint.refused']
+
+
+def test_what_never_was_a_checkpoint_stays(start, tmp_path):
+    path = tmp_path / 'model.yaml'
+    path.write_text('schema: hand_load/torque_model/1\n')
+    node = start('estimator', '--ros-args', '-p', f'checkpoint:={path}')
+    assert node.wait(30.0) == 2
+    assert f"is no checkpoint and would be lost; got '{path}'" in node.output
+    assert path.read_text() == 'schema: hand_load/torque_model/1\n'
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize('content', [b'', b'x' * 8 + b'{"__metadata__":{"schema":'
+                                     b'"hand_load/checkpoint/0"'])
+def test_what_holds_nothing_or_another_version_may_go(content, tmp_path):
+    (tmp_path / 'c').write_bytes(content)
+    assert CheckpointKeeper(str(tmp_path / 'c'), 60.0).told == 'no file yet'
+
+
+def test_what_cannot_be_read_is_a_wrong_parameter(tmp_path, monkeypatch):
+    (tmp_path / 'c').write_bytes(b'somebody else\'s')
+
+    def denied(path):
+        raise PermissionError(13, 'Permission denied')
+
+    monkeypatch.setattr(Path, 'read_bytes', denied)
+    with pytest.raises(ConfigurationError, match='cannot be read .*Permission denied'):
+        CheckpointKeeper(str(tmp_path / 'c'), 60.0)
 
 
 def test_a_checkpoint_in_no_folder_is_a_wrong_parameter(start, tmp_path):

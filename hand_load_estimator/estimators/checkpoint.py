@@ -18,12 +18,19 @@ from safetensors.numpy import load, save
 from ..errors import HandLoadError
 
 SCHEMA = 'hand_load/checkpoint/1'
+_KIND = SCHEMA.rstrip('0123456789').encode()
 # A file from the future by more than this [s] was written by another clock: its age is unknown.
 CLOCK_STEP = 60.0
 
 
 class CheckpointError(HandLoadError):
     """A checkpoint cannot be gone on from; the sentence says why."""
+
+
+def was_checkpoint(path):
+    """Tell whether a file is or was a checkpoint, of any version or damaged; raises OSError."""
+    raw = Path(path).read_bytes()
+    return raw[8:9] == b'{' and _KIND in raw
 
 
 def belongs_to(pipeline):

@@ -7,7 +7,7 @@ import time
 
 from ..errors import ConfigurationError
 from ..estimators.checkpoint import (CheckpointError, belongs_to, restore_checkpoint,
-                                     write_checkpoint)
+                                     was_checkpoint, write_checkpoint)
 from .diagnostics import OK, WARN
 
 _LAST_WRITE = 5.0  # [s] a full disk may hold up the end of a node
@@ -18,8 +18,8 @@ class CheckpointKeeper:
     Restore a Pipeline from a file and write its state there again and again.
 
     path: the file, in a folder that exists, or an empty text for none; max_age [s]: older files
-    are refused. A refused file is put aside under the name `<file>.refused`. told: in words what
-    came of restoring.
+    are refused. A refused file is put aside under the name `<file>.refused`; ConfigurationError
+    where it never was a checkpoint. told: in words what came of restoring.
     """
 
     def __init__(self, path, max_age):
@@ -45,14 +45,17 @@ class CheckpointKeeper:
             self.told = f'restored {restore_checkpoint(self._path, pipeline, self._max_age)}'
         except CheckpointError as error:
             self.refused = True
-            self.told = f'refused: {error}; the estimate starts afresh'
-            self._put_aside()
+            self.told = f'refused: {error}; the estimate starts afresh{self._put_aside()}'
 
     def _put_aside(self):
+        """Return in words where the refused file is now."""
+        aside = f'{self._path}.refused'
         try:
-            self._path.replace(f'{self._path}.refused')
+            self._path.replace(aside)
         except OSError as error:
             self._failure = _sentence(error)
+            return ''
+        return f', and the file is {aside} now'
 
     def keep(self, pipeline, even_if_old=False):
         """Hand the Pipeline's state to the writer when there are data the file does not have."""
@@ -110,7 +113,20 @@ def _checked(path):
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise ConfigurationError('node estimator: parameter checkpoint', 'is not usable',
                                  str(path), 'the path of a file in a folder that exists')
+    if path.exists() and not _may_go(path):
+        raise ConfigurationError('node estimator: parameter checkpoint', 'is no checkpoint and '
+                                 'would be lost', str(path), 'a new file or a checkpoint',
+                                 'give another path')
     return path
+
+
+def _may_go(path):
+    """Tell whether a file is a checkpoint or holds nothing."""
+    try:
+        return not path.stat().st_size or was_checkpoint(path)
+    except OSError as error:
+        raise ConfigurationError('node estimator: parameter checkpoint',
+                                 f'cannot be read ({_sentence(error)})', str(path)) from None
 
 
 def _sentence(error):
