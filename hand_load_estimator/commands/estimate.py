@@ -7,8 +7,6 @@ from ..estimators.registry import DEFAULT, METHODS
 from .recording_arguments import add_recording_arguments, topics
 
 EXAMPLE = 'hand_load estimate run --model ur10e --out estimate.json'
-# Standard deviations below zero from which on a mass is none that a load has.
-_IMPOSSIBLE = 3.0
 
 
 def add_arguments(parser):
@@ -64,7 +62,3 @@ def _report_load(result):
     print(f'mass {mass["mean"]:.3f} +- {1.96 * mass["std"]:.3f} kg (95 %)')
     print('centre of mass [mm] in ' + result['frame'] + ': ' + ', '.join(
         f'{1e3 * m:.1f} +- {1e3 * 1.96 * s:.1f}' for m, s in zip(com['mean'], com['std'])))
-    if mass['mean'] < -_IMPOSSIBLE * mass['std']:
-        print('no load weighs less than nothing: data and model contradict each other; was the '
-              'model identified with a load on the hand that was not declared? Is it of this arm? '
-              'See `hand_load check`')

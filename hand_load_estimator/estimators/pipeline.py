@@ -7,6 +7,7 @@ from ..joint_stream import JointStream
 from ..load import LoadEstimate
 from ..residual.watch import ResidualWatch
 from ..suggest_motion import MotionSuggester, SuggestionError
+from .impossible_mass import impossible_mass
 from .method import checked
 from .physical_consistency import published
 
@@ -228,16 +229,17 @@ class Pipeline:
 
     def _labelled(self, stamp, belief):
         determined = self._determined(belief)
-        return self._say(stamp, belief, *self._status(stamp, determined), determined)
+        return self._say(stamp, belief, *self._status(stamp, belief, determined), determined)
 
-    def _status(self, stamp, determined):
+    def _status(self, stamp, belief, determined):
         """Return status and reason while measurements arrive; determined (10,) bool."""
         change = self.method.last_change
+        impossible = impossible_mass(belief, self.tared_mass)
         if not self._began and not self._restored:
-            return ('WAITING_FOR_MOTION',
-                    'no joint that carries the load has moved: at rest friction hides it')
-        if self.method.mismatch:
-            return 'MODEL_MISMATCH', self.method.mismatch
+            return 'WAITING_FOR_MOTION', _joined(
+                'no joint that carries the load has moved: at rest friction hides it', impossible)
+        if mismatch := _joined(self.method.mismatch, impossible):
+            return 'MODEL_MISMATCH', mismatch
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
             return 'LOAD_CHANGED', 'recent torques belong to another load'
         if determined[:4].all():
@@ -258,3 +260,7 @@ class Pipeline:
         belief = published(belief, self.method)
         return LoadEstimate(stamp, belief.mean, belief.covariance, determined, status, reason,
                             self.load_id)
+
+
+def _joined(*reasons):
+    return '; '.join(filter(None, reasons))

@@ -17,8 +17,6 @@ _LAYOUT = MultiArrayLayout(dim=[MultiArrayDimension(label=f'rows:{_LABELS}', siz
 
 # Keys of the status that tell masses [kg] held beside the estimate.
 TARED, TOOL = KNOWN_MASSES = 'tared mass [kg]', 'tool mass [kg]'
-# Standard deviations below zero from which a mass is no error of the estimate any more.
-IMPOSSIBLE = 3.0
 
 _LEVELS = {'NO_DATA': WARN, 'STALE_INPUT': STALE, 'MODEL_MISMATCH': ERROR}
 
@@ -64,12 +62,3 @@ def estimate_status(name, estimate, age, method, tared_mass, more=()):
               'age': age, 'reason': estimate.reason, 'load_id': estimate.load_id,
               'method': method, TARED: tared_mass, **dict(more)}
     return status_message(name, _LEVELS.get(estimate.status, OK), estimate.status, values)
-
-
-def impossible_mass(estimate, tared_mass):
-    """Return the sentence on a mass that no load has, empty where one may have it."""
-    mass, std = float(estimate.mean[0]) + tared_mass, float(estimate.std[0])
-    if mass >= -IMPOSSIBLE * std:
-        return ''
-    return (f'mass {mass:.3g} kg, below zero by more than three standard deviations ({std:.2g} kg '
-            'each): torques that no load makes; run hand_load check')

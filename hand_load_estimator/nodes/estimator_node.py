@@ -16,6 +16,7 @@ from visualization_msgs.msg import MarkerArray
 
 from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
+from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
 from ..load import message_from_products
 from ..suggest_motion import SuggestionError
@@ -24,8 +25,8 @@ from .command_line import run_from_command_line
 from .controller_messages import trajectory_message
 from .diagnostics import WARN, Diagnostics
 from .draining import subscribe_draining
-from .estimate_messages import (covariance_message, estimate_status, impossible_mass,
-                                inertia_message, residual_message, TOOL)
+from .estimate_messages import (covariance_message, estimate_status, inertia_message,
+                                residual_message, TOOL)
 from .estimator_parameters import ESTIMATOR_PARAMETERS
 from .input_report import InputReport
 from .markers import estimate_markers
@@ -193,10 +194,9 @@ class EstimatorNode(Node):
         values = [(pair.key, pair.value) for pair in status.values]
         values += [('samples', self._pipeline.samples), ('mass [kg]', float(estimate.mean[0])),
                    ('mass std [kg]', float(estimate.std[0]))]
-        told = f'{estimate.status} {estimate.reason}'.strip()
-        if impossible := impossible_mass(estimate, self._pipeline.tared_mass):
-            return max(status.level, WARN), f'{told}; {impossible}', values
-        return status.level, told, values
+        level = (max(status.level, WARN)
+                 if impossible_mass(estimate, self._pipeline.tared_mass) else status.level)
+        return level, f'{estimate.status} {estimate.reason}'.strip(), values
 
     def _on_reset(self, _request, response):
         self._pipeline.reset()
