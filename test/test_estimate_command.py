@@ -243,6 +243,13 @@ def test_learned_takes_the_name_of_a_shipped_artefact(folder, capsys):
     assert 'neither a path nor a shipped file' in said and 'ur10e_gru' in said
 
 
+def test_an_artefact_of_another_network_is_told_by_its_name(folder, capsys):
+    assert main(['estimate', str(folder / 'run'), '--model', 'ur10e', '--learned', 'ur10e_gru',
+                 '--method', 'lstm', '--out', str(folder / 'never.json')]) == 2
+    said = capsys.readouterr().err
+    assert "is another network; got 'gru'" in said and 'take method gru' in said
+
+
 def test_estimating_needs_neither_torch_nor_simulator(folder):
     """In a process of its own, so that nothing another test imported can hide it."""
     code = ('import sys\n'

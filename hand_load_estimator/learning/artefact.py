@@ -55,8 +55,7 @@ def write_files(folder, name, tensors, card):
 def read_artefact(folder, robot):
     """Return the Artefact of a folder, refused when it belongs to another robot."""
     folder = Path(folder)
-    card, tensors = read_files(folder, WEIGHTS)
-    check_card(folder, card, robot, NETWORK)
+    card, tensors = read_files(folder, WEIGHTS, robot, NETWORK)
     if card.get('inputs') != list(INPUTS):
         raise ConfigurationError(
             folder / CARD, 'was trained on other inputs' if 'inputs' in card else
@@ -67,16 +66,21 @@ def read_artefact(folder, robot):
     return Artefact({k: v.astype(float) for k, v in tensors.items()}, calibration, card)
 
 
-def read_files(folder, name):
-    """Return card and tensors of a folder."""
+def read_files(folder, name, robot, network):
+    """Return card and tensors of a folder; the card must be the robot's and the network's."""
+    allowed = f'a folder with {name} and {CARD}'
+    card = _read(folder, lambda: json.loads((folder / CARD).read_text(encoding='utf-8')), allowed)
+    # First: another network's tensors have another name.
+    _check_card(folder, card, robot, network)
+    return card, _read(folder, lambda: load_file(folder / name), allowed)
+
+
+def _read(folder, read, allowed):
     try:
-        card = json.loads((folder / CARD).read_text(encoding='utf-8'))
-        tensors = load_file(folder / name)
+        return read()
     except Exception as error:
-        raise ConfigurationError(folder, f'is not a learned artefact ({error})',
-                                 allowed=f'a folder with {name} and {CARD}',
+        raise ConfigurationError(folder, f'is not a learned artefact ({error})', allowed=allowed,
                                  todo='make one with `hand_load train`') from None
-    return card, tensors
 
 
 def network_of(card):
@@ -109,7 +113,7 @@ def not_of(card, robot):
     return ('belongs to another arm', apart, robot.name) if apart else None
 
 
-def check_card(folder, card, robot, network):
+def _check_card(folder, card, robot, network):
     """Refuse a card that is not of this schema, robot and network."""
     if not isinstance(card, dict) or card.get('schema') != SCHEMA:
         raise ConfigurationError(folder / CARD, 'has another schema',

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 
 from ..errors import ConfigurationError
-from .artefact import check_card, read_files, write_files
+from .artefact import read_files, write_files
 from .direct_calibration import RANGES
 from .direct_design import Design
 from .direct_network import build_network
@@ -34,8 +34,7 @@ def write_direct_artefact(folder, network, knots, factors, card):
 def read_direct_artefact(folder, robot, network):
     """Return the DirectArtefact of a folder, refused when it is another robot's or network's."""
     folder = Path(folder)
-    card, tensors = read_files(folder, WEIGHTS)
-    check_card(folder, card, robot, network)
+    card, tensors = read_files(folder, WEIGHTS, robot, network)
     try:
         design = _design(card, robot)
         own = build_network(robot, design)
