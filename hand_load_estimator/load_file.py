@@ -37,14 +37,20 @@ def parse_load(section):
     return load, tuple(known)
 
 
+def says_none(path):
+    """Tell whether a load file says `none`."""
+    path = Path(path)
+    return (path.is_file()
+            and path.read_text(encoding='utf-8', errors='replace').strip() == 'none')
+
+
 def read_load_file(path):
     """
     Return (load, known) of a load.yaml; raises ConfigurationError.
 
     known holds ASSUMED, too, where the file says so.
     """
-    path = Path(path)
-    if path.is_file() and path.read_text(encoding='utf-8', errors='replace').strip() == 'none':
+    if says_none(path):
         return LoadParameters(), ('mass', 'com', 'inertia')
     section = Section(read_yaml(path), path)
     assumed = section.has(ASSUMED) and section.flag(ASSUMED)

@@ -7,7 +7,7 @@ import numpy as np
 
 from .configuration import read_yaml, Section
 from .load import products_jacobian_of_message
-from .load_file import parse_load, placed
+from .load_file import parse_load, placed, says_none
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,13 @@ class Tool:
 
 def read_tool(path):
     """
-    Return the Tool of a load file; raises ConfigurationError.
+    Return the Tool of a load file, or None where it says `none`; raises ConfigurationError.
 
     Beside mass, com and inertia the file may state `std`: {mass [kg], com: [x, y, z] [m],
     inertia: [ixx, ixy, ixz, iyy, iyz, izz] [kg m^2]}, zero where it does not.
     """
+    if says_none(path):
+        return None
     section = Section(read_yaml(Path(path)), path)
     std = _std(section.section('std')) if section.has('std') else np.zeros(10)
     load = placed(*parse_load(section), path)

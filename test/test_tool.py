@@ -87,6 +87,13 @@ def test_a_wrong_tool_file_is_refused(tmp_path, text, said):
         read_tool(tmp_path / 't.yaml')
 
 
+def test_a_load_file_that_says_none_is_no_tool(tmp_path, model):
+    write_model(tmp_path / 'm.yaml', model)
+    (tmp_path / 't.yaml').write_text('none\n')
+    pipeline = build_pipeline(tmp_path / 'm.yaml', 'bayes', tool_path=tmp_path / 't.yaml')
+    assert pipeline.tool is None and pipeline.tool_mass == 0.0
+
+
 def test_a_tool_without_mass_needs_no_place(tmp_path):
     (tmp_path / 't.yaml').write_text('mass: 0\n')
     assert read_tool(tmp_path / 't.yaml').mass == 0.0

@@ -105,9 +105,8 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     model_file = find_shared(model_path, 'models')
     model = (read_model(model_file) if robot_path is None else
              model_of_robot(model_file, load_robot(find_shared(robot_path, 'robots'))))
-    follower, tool = ModelFollower(model), None
-    if tool_path:
-        tool = read_tool(tool_path)
+    follower, tool = ModelFollower(model), read_tool(tool_path) if tool_path else None
+    if tool:
         follower = ToolFollower(follower, tool)
     return Pipeline(model, follower,
                     build_method(model, follower.uncertainties, method, learned or None),
