@@ -46,19 +46,25 @@ def prior(robot, uses, links_declared):
     return mean, np.diag(std ** 2)
 
 
-def declare(robot, names, temperatures_known):
-    """Return (uses, links_declared) for effect names; all joints, default shapes."""
-    names = DEFAULT_EFFECTS if names is None else names
+def check_effects(names):
+    """Raise ConfigurationError for names of effects that cannot be declared."""
     known = ('link_inertia', *EFFECTS)
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ConfigurationError('--effects', 'names unknown effects', ', '.join(unknown),
                                  ', '.join(known))
-    chosen = [EFFECTS[name] for name in names if name in EFFECTS]
-    searched = [e.name for e in chosen if any(not s.grid for s in e.shapes)]
+    searched = [name for name in names
+                if name in EFFECTS and any(not s.grid for s in EFFECTS[name].shapes)]
     if searched:
         raise ConfigurationError('--effects', 'names effects whose shape only a residual tells',
                                  ', '.join(searched), todo='find them with `hand_load diagnose`')
+
+
+def declare(robot, names, temperatures_known):
+    """Return (uses, links_declared) for effect names; all joints, default shapes."""
+    names = DEFAULT_EFFECTS if names is None else names
+    check_effects(names)
+    chosen = [EFFECTS[name] for name in names if name in EFFECTS]
     if robot.effort.kind == 'link_torque' and names is DEFAULT_EFFECTS:
         chosen = [e for e in chosen if e.in_link_torque]
     if not temperatures_known:

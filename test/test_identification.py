@@ -250,6 +250,13 @@ def identified(folder, *arguments):
     return status, read_model(out) if out.exists() else None
 
 
+@pytest.mark.parametrize('name', ['magic', 'torque_ripple'])
+def test_effects_are_judged_before_recordings_are_read(folder, capsys, name):
+    assert identified(folder, 'no_recording', '--effects', name) == (2, None)
+    said = capsys.readouterr().err
+    assert name in said and 'no_recording' not in said
+
+
 def test_a_known_load_gives_the_same_model_as_none(folder):
     effects = '--effects=coulomb_friction,viscous_friction,presliding_hysteresis,torque_offset'
     (one, empty), (two, loaded) = (identified(folder, str(folder / run), effects)

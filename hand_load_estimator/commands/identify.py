@@ -58,7 +58,7 @@ def read_evidence(robot, args):
 
 def run(args):
     """Identify, write the model and say how good it is."""
-    from ..identification import identify
+    from ..identification import check_effects, identify
     from ..identified_sense import nonsense
     from ..model_file import SCHEMA, write_model
     from ..output_file import output_file
@@ -69,8 +69,9 @@ def run(args):
     robot_path = find_shared(args.robot, 'robots')
     out = output_file(args.out, SCHEMA, (*args.recordings, robot_path, args.load))
     robot = load_robot(robot_path)
-    evidence = read_evidence(robot, args)
     effects = None if args.effects is None else args.effects.split(',')
+    check_effects(effects or ())
+    evidence = read_evidence(robot, args)
     model = identify(robot, evidence, effects, progress=_say)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
