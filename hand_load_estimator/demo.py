@@ -111,10 +111,6 @@ class NodeProcesses:
                                 f'{lines[-1] if lines else "it said nothing"} '
                                 f'(all of it in {self.log(name)})')
 
-    def exit_codes(self):
-        """Return name -> exit code, None while running."""
-        return {name: process.poll() for name, process in self._processes.items()}
-
 
 def _yaml(value):
     # A text in quotes, so that a robot called 1.5 or an empty one stays a text.

@@ -98,12 +98,6 @@ class LoadParameters:
         """Return the (10,) products (inertia about the frame origin, pinocchio's order)."""
         return products_from_message(self.to_message())
 
-    def to_mujoco(self):
-        """Return mass, com (3,), fullinertia (6,) = xx, yy, zz, xy, xz, yz about the com."""
-        i = self.inertia
-        return self.mass, self.com.copy(), np.array(
-            [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
-
     def is_physical(self):
         """Tell whether a body with this mass distribution can exist."""
         if not np.all(np.isfinite(self.to_message())) or self.mass < 0.0:

@@ -95,30 +95,6 @@ def test_products_are_pinocchios():
                                    pinocchio_inertia(load).toDynamicParameters(), atol=1e-12)
 
 
-def test_mujoco_order_is_diagonal_first():
-    load = random_load(np.random.default_rng(5))
-    mass, com, six = load.to_mujoco()
-    i = load.inertia
-    assert mass == load.mass and (com == load.com).all()
-    np.testing.assert_array_equal(
-        six, [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
-
-
-def test_mujoco_reads_the_tensor_as_we_mean_it():
-    import mujoco
-    load = random_load(np.random.default_rng(6))
-    mass, com, six = load.to_mujoco()
-    model = mujoco.MjModel.from_xml_string(
-        '<mujoco><worldbody><body><joint type="free"/>'
-        f'<inertial mass="{mass}" pos="{" ".join(map(str, com))}" '
-        f'fullinertia="{" ".join(map(str, six))}"/></body></worldbody></mujoco>')
-    rotation = np.zeros(9)
-    mujoco.mju_quat2Mat(rotation, model.body_iquat[1])
-    rotation = rotation.reshape(3, 3)
-    np.testing.assert_allclose(rotation @ np.diag(model.body_inertia[1]) @ rotation.T,
-                               load.inertia, atol=1e-9)
-
-
 def test_message_round_trips():
     rng = np.random.default_rng(7)
     loads = [random_load(rng) for _ in range(20)]

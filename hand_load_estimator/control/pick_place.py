@@ -2,9 +2,6 @@
 
 from dataclasses import dataclass
 
-PHASES = ('waiting', 'home', 'to_pick', 'at_pick', 'carrying', 'at_place', 'returning', 'done',
-          'stopped')
-
 
 @dataclass(frozen=True)
 class Step:

@@ -51,9 +51,9 @@ class Supervisor:
 
     Feed measured(), residual() and policy.estimate(), policy.status(); call tick() at a fixed
     rate and send the Trajectory it returns. Nothing moves before start(), nor after a reset()
-    until it comes again. phase: one of pick_place.PHASES; tries: how often the present step was
-    begun again because the arm did not follow; move: the PlannedMove under way or last, None
-    before the first; in_force: Thresholds now, None before joint states; counts: events since
+    until it comes again. phase: waiting, done, stopped or the Step's; tries: how often the present
+    step was begun again because the arm did not follow; move: the PlannedMove under way or last,
+    None before the first; in_force: Thresholds now, None before joint states; counts: events since
     the start.
     """
 

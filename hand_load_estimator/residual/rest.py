@@ -41,16 +41,7 @@ class Rest:
     @property
     def least_structure(self):
         """Share (n,) of the variance that is surely structure."""
-        return _other_share(self.most, self.rms)
-
-    @property
-    def most_structure(self):
-        """Share (n,) of the variance that is not white noise."""
-        return _other_share(self.noise, self.rms)
-
-
-def _other_share(part, rms):
-    return 1.0 - (part / np.maximum(rms, 1e-12)) ** 2
+        return 1.0 - (self.most / np.maximum(self.rms, 1e-12)) ** 2
 
 
 def rest_of(residual, dt, messages, owner):
