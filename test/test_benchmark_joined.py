@@ -74,7 +74,7 @@ def test_several_suites_share_one_table_of_goals(tmp_path, monkeypatch):
     assert '<a href="slow/index.html">slow</a>' in (tmp_path / 'index.html').read_text()
     content = json.loads((tmp_path / 'scores.json').read_text())
     assert [found['folder'] for found in content['runs']] == ['slow']
-    assert len(content['goals']) == 22
+    assert len(content['goals']) == 23
     with pytest.raises(ConfigurationError, match='--data'):
         run.run_suites('real', run.Options(), tmp_path, 'the command', lambda text: None)
 
