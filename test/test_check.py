@@ -8,12 +8,14 @@ from pathlib import Path
 from hand_load_estimator.cli import main
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.recording import (JointSample, Recording, RecordingWriter,
                                            TemperatureSample)
 from hand_load_estimator.recording_check import check_recording
 from hand_load_estimator.robot import load_robot, Robot
 from hand_load_estimator.robot_file import parse_robot
 from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.simulate_motions import named_motion
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -164,13 +166,39 @@ def test_a_small_tilt_is_a_doubt(robot, motion):
     assert found['gravity'] == 'doubt'
 
 
+@pytest.fixture(scope='module')
+def excited(robot):
+    """Return motion and effort of an arm whose friction builds up after each reversal."""
+    asked = named_motion('excite', robot, 24.0, seed=1)
+    states = [e for e in simulate_motion(robot, asked.time, asked.position, asked.velocity,
+                                         asked.acceleration, seed=1, rate=RATE)
+              if isinstance(e, JointEvent)]
+    t, q, v, effort = (np.array([getattr(s, name) for s in states])
+                       for name in ('stamp', 'position', 'velocity', 'effort'))
+    return (t, q, v, None), effort
+
+
+def delay_of(robot, made):
+    return next(f for f in check_recording(made, robot).findings if f.item == 'delay')
+
+
 @pytest.mark.parametrize('late, verdict', [(0.0, 'ok'), (0.03, 'doubt'), (0.08, 'wrong')])
-def test_delay(robot, motion, late, verdict):
-    effort = np.roll(torque(robot, motion), int(late * RATE), axis=0)
-    made = recording(robot, motion, effort)
-    finding, = [f for f in check_recording(made, robot).findings if f.item == 'delay']
+def test_delay(robot, excited, late, verdict):
+    motion, effort = excited
+    made = recording(robot, motion, np.roll(effort, int(late * RATE), axis=0))
+    finding = delay_of(robot, made)
     assert finding.verdict == verdict
     assert float(finding.text.split()[1]) == pytest.approx(1e3 * late, abs=5.0)
+
+
+def test_a_slow_motion_tells_no_delay(robot, motion):
+    slower = 15.0
+    t = np.arange(0.0, slower * motion[0][-1], 0.02)
+    q, v, a = (np.column_stack([np.interp(t / slower, motion[0], column) for column in part.T])
+               / slower ** k for k, part in enumerate(motion[1:]))
+    slow = t, q, v, a
+    finding = delay_of(robot, recording(robot, slow, torque(robot, slow)))
+    assert finding.verdict == 'cannot tell' and 'max_velocity' in finding.text
 
 
 def test_effort_without_gravity(robot, motion):

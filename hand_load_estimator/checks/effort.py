@@ -13,6 +13,8 @@ _RECORD = 'record a motion of `hand_load excite`'
 # Nominal link masses of a URDF and an unknown load stay within it; amperes for Nm do not.
 _LIKELY_GAIN = (0.6, 1.6)
 _POSSIBLE_GAIN = (0.33, 3.0)
+# Share of max_velocity: below it friction's slow build-up after a reversal looks like a delay.
+_QUICK = 0.05
 _TILT_OK, _TILT_DOUBT = np.radians([5.0, 15.0])
 
 
@@ -200,8 +202,15 @@ def _gravity(direction, robot):
 
 
 def _delay(signals, terms, gravity, told, robot):
-    # Where friction is nearly all, its slow build-up after a reversal looks like a delay.
-    delay, std = fit_delay(signals, terms, gravity, list(told)) if told else (np.nan, np.inf)
+    slowest = _QUICK * robot.limits.velocity
+    columns = joint_columns(signals, terms, slowest=slowest)
+    quick = [j for j in told if columns[j] is not None and fit_joint(columns[j], gravity).told]
+    if not quick:
+        return Finding('delay', UNKNOWN, 'no joint moves enough against its weight while it is '
+                       f'faster than {100.0 * _QUICK:g} % of its max_velocity (slower, friction '
+                       'that builds up looks like a delay)', 'record a quicker motion of '
+                       '`hand_load excite`')
+    delay, std = fit_delay(signals, terms, gravity, quick, slowest)
     if not std < 0.012:
         return Finding('delay', UNKNOWN, 'reversals are too few or too slow to tell', _RECORD)
     text = f'effort {1e3 * delay:+.1f} +- {1e3 * std:.1f} ms late against the position'

@@ -81,9 +81,9 @@ def fit_joint(columns, gravity):
         gravity_rms=weight.std(), rigid_rms=rigid.std(), spread=spread)
 
 
-def _misfit(signals, terms, gravity, joints, late):
+def _misfit(signals, terms, gravity, joints, late, slowest):
     """Return -2 log likelihood of the joints' fits with effort read `late` [s], and the spread."""
-    columns = joint_columns(signals, terms, late)
+    columns = joint_columns(signals, terms, late, slowest)
     misfit, spreads = 0.0, []
     for j in joints:
         rigid = columns[j].inertial + columns[j].gravity @ gravity
@@ -94,14 +94,15 @@ def _misfit(signals, terms, gravity, joints, late):
     return misfit, np.mean(spreads)
 
 
-def fit_delay(signals, terms, gravity, joints, longest=0.1):
+def fit_delay(signals, terms, gravity, joints, slowest, longest=0.1):
     """
     Return delay and std [s] of the effort against the position, std infinite when it cannot tell.
 
-    The delay is where the fits of the moving joints asked for leave the least unexplained.
+    The delay is where the fits of the joints asked for, which move faster than slowest (n,)
+    [rad/s], leave the least unexplained.
     """
     lags = np.linspace(-longest, longest, 21)
-    misfits, spreads = zip(*(_misfit(signals, terms, gravity, joints, lag) for lag in lags))
+    misfits, spreads = zip(*(_misfit(signals, terms, gravity, joints, lag, slowest) for lag in lags))
     best = int(np.argmin(misfits))
     if not 0 < best < len(lags) - 1:
         return np.nan, np.inf

@@ -60,22 +60,24 @@ def rigid_terms(robot, signals, load=None):
     return RigidTerms(inertial, gravity)
 
 
-def joint_columns(signals, terms, late=0.0):
+def joint_columns(signals, terms, late=0.0, slowest=None):
     """
     Return the JointColumns of each joint, None for one that does not move.
 
-    `late` [s]: the effort is read that much later than the rest.
+    `late` [s]: the effort is read that much later than the rest; slowest (n,) [rad/s]: slower
+    samples count as standing, by default those below STANDING.
     """
-    moves, step = moving(signals), max(1, int(signals.rate / (2.0 * BAND)))
-    return [_joint(signals, terms, j, late, step) if moves[j] else None
+    slowest = np.full(signals.q.shape[1], STANDING) if slowest is None else slowest
+    moves, step = moving(signals, slowest), max(1, int(signals.rate / (2.0 * BAND)))
+    return [_joint(signals, terms, j, late, step, slowest[j]) if moves[j] else None
             for j in range(signals.q.shape[1])]
 
 
-def _joint(signals, terms, j, late, step):
+def _joint(signals, terms, j, late, step, slowest):
     v = signals.v[:, j]
     effort = np.interp(signals.time + late, signals.time, signals.effort[:, j])
     columns = np.column_stack([effort, terms.inertial[:, j], terms.gravity[:, j],
                                np.tanh(v / SIGN_WIDTH), v, np.ones_like(v), signals.a[:, j]])
     columns = low_pass(columns, signals.rate, BAND)[::step]
-    columns = columns[np.abs(v[::step]) > STANDING]
+    columns = columns[np.abs(v[::step]) > slowest]
     return JointColumns(columns[:, 0], columns[:, 1], columns[:, 2:5], columns[:, 5:])

@@ -60,9 +60,9 @@ def check_position(position, robot):
     return Finding('position', OK, 'inside the limits of the URDF')
 
 
-def moving(signals):
-    """Return which joints move (n,): seconds in motion above one."""
-    return np.sum(np.abs(signals.v) > STANDING, axis=0) / signals.rate > 1.0
+def moving(signals, slowest=STANDING):
+    """Return which joints move (n,), faster than slowest [rad/s], for more than a second."""
+    return np.sum(np.abs(signals.v) > slowest, axis=0) / signals.rate > 1.0
 
 
 def check_motion(signals, robot):
