@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from residual_helpers import constant_friction, declared_model, on, recorded, viscous
 
+from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.identification import identify
-from hand_load_estimator.identified_sense import nonsense
+from hand_load_estimator.identified_sense import nonsense, refuse_nonsense
 
 EFFECTS = ('link_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offset')
 
@@ -15,7 +16,7 @@ EFFECTS = ('link_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offse
 def said(change=lambda run: run, hidden=()):
     """Return what is said of the model that is identified from changed good runs."""
     runs = [change(run) for run in recorded(*hidden)]
-    return nonsense(identify(declared_model().robot, runs, EFFECTS), runs)
+    return list(nonsense(identify(declared_model().robot, runs, EFFECTS), runs).values())
 
 
 def changed(torque=None, signs=None):
@@ -52,3 +53,12 @@ def test_a_joint_that_never_moves_is_not_judged():
         v[:, 0] = 0.0
         return replace(run, motion=replace(run.motion, v=v), torque=run.torque * [-1, 1, 1, 1])
     assert not any(text.startswith('j0') for text in said(still))
+
+
+def test_most_joints_that_carry_weight_must_make_sense():
+    robot, runs = declared_model().robot, recorded()
+    wrong = {f'j{j}': f'j{j}: makes no sense' for j in range(4)}
+    refuse_nonsense(robot, runs, {})
+    refuse_nonsense(robot, runs, {name: wrong[name] for name in ('j0', 'j1')})
+    with pytest.raises(RecordingError, match='3 of the 4 joints that carry weight .*j1, j2, j3'):
+        refuse_nonsense(robot, runs, {name: wrong[name] for name in ('j1', 'j2', 'j3')})

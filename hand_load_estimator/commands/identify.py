@@ -37,6 +37,8 @@ def read_evidence(robot, args):
     from ..load_file import load_of_argument
     from ..recording import read_recording
     from ..recording_mark import refuse_repeats
+    from ..rejected_input import in_words
+    from ..useless_recording import refuse_useless
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = []
     for path in args.recordings:
@@ -46,7 +48,8 @@ def read_evidence(robot, args):
         evidence.append(prepare(robot, Path(path).name, motion, load, recording,
                                 rejected))
         _say(f'{Path(path).name}: {len(motion.stamp)} samples, rejected '
-             f'{sum(rejected.values())}')
+             f'{sum(rejected.values())}' + (f' ({in_words(rejected)})' if rejected else ''))
+        refuse_useless(robot, evidence[-1])
         another = another_load(robot, recording, load)
         if another:
             _say(f'WARNING: {Path(path).name}: {another}')
@@ -59,7 +62,7 @@ def read_evidence(robot, args):
 def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification import check_effects, identify
-    from ..identified_sense import nonsense
+    from ..identified_sense import nonsense, refuse_nonsense
     from ..model_file import SCHEMA, write_model
     from ..output_file import output_file
     from ..residual.repeats import share_repeated
@@ -73,9 +76,11 @@ def run(args):
     check_effects(effects or ())
     evidence = read_evidence(robot, args)
     model = identify(robot, evidence, effects, progress=_say)
+    senseless = nonsense(model, evidence)
+    refuse_nonsense(robot, evidence, senseless)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
-    for said in filter(None, (*nonsense(model, evidence), told_of_unknown_friction(model))):
+    for said in filter(None, (*senseless.values(), told_of_unknown_friction(model))):
         _say(said)
     again = share_repeated(evidence)
     if again > REPEATED:

@@ -1,6 +1,7 @@
 """Is there time enough to diagnose, and if not: what took it away?"""
 
 from ..errors import RecordingError
+from ..rejected_input import told_of_rejected
 from .load_change import looks_loaded, NAME as LOAD_CHANGE
 
 LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s
@@ -26,7 +27,7 @@ def refuse_too_short(left, evidence, residual=None, found=()):
         return
     lost = [sentence for k, e in enumerate(evidence)
             for sentence in (*_taken(e, residual, [d for d in found if d.owner == k]),
-                             *_rejected(e))]
+                             *told_of_rejected(e))]
     rest = sum(map(_seconds, evidence)) - sum(_lasting(residual, d) for d in found) - seconds
     kept = [f'{rest:.1f} s are kept for the test or lie beside those'] if rest > 0.1 else []
     todo = [] if lost else ['record a motion of `hand_load excite`']
@@ -46,7 +47,7 @@ def long_loads(evidence, residual, found):
 def many_rejected(evidence):
     """Return a sentence on each recording of which much was not used."""
     return [f'cannot tell anything from what was not used: {sentence}' for e in evidence
-            for sentence in _rejected(e, MANY)]
+            for sentence in told_of_rejected(e, MANY)]
 
 
 def _seconds(evidence):
@@ -66,14 +67,3 @@ def _taken(evidence, residual, found):
     return [f'for {_lasting(residual, d):.1f} s {evidence.name} '
             + (_load(evidence, d) if d.cause.kind.name == LOAD_CHANGE
                else 'shows a contact; record without one') for d in found]
-
-
-def _rejected(evidence, least=0.0):
-    """Return a sentence on the input that was not used, if it is more than a share of all."""
-    count, used = sum(evidence.rejected.values()), int(evidence.motion.messages.sum())
-    if count <= least * (count + used):
-        return []
-    reasons = ', '.join(f'{number} {reason.replace("_", " ")}' for reason, number in
-                        sorted(evidence.rejected.items(), key=lambda item: -item[1]))
-    return [f'{count} of {count + used} messages of {evidence.name} were rejected ({reasons}); '
-            'look at them with `hand_load check`']

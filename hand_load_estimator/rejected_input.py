@@ -1,0 +1,29 @@
+"""How much of a recording's input was not used, and why."""
+
+# Reasons that are not about a joint state: it is used in spite of them, or it was a temperature.
+_NO_STATE = ('gap', 'clock_restart', 'implausible_temperature', 'temperature_expired')
+
+
+def share_rejected(evidence):
+    """Return the share of the joint states of an Evidence's recording that were rejected."""
+    count = sum(number for reason, number in evidence.rejected.items() if reason not in _NO_STATE)
+    return count / max(count + _used(evidence), 1)
+
+
+def in_words(rejected):
+    """Return counts {reason: count} in words, most first."""
+    return ', '.join(f'{number} {reason.replace("_", " ")}' for reason, number in
+                     sorted(rejected.items(), key=lambda item: -item[1]))
+
+
+def told_of_rejected(evidence, least=0.0):
+    """Return [a sentence on the input that was not used], [] if it is no more than a share."""
+    count = sum(evidence.rejected.values())
+    if count <= least * (count + _used(evidence)):
+        return []
+    return [f'{count} of {count + _used(evidence)} messages of {evidence.name} were rejected '
+            f'({in_words(evidence.rejected)}); look at them with `hand_load check`']
+
+
+def _used(evidence):
+    return int(evidence.motion.messages.sum())
