@@ -17,6 +17,8 @@ END, OFTEN, STEP = 0.002, 0.02, 5.0
 SPIKES = 0.002
 # The filter's memory [s] of what it was fed.
 MEMORY = 0.1
+# An effort that varies by no more than this share of max_torque does not change.
+CONSTANT = 1e-9
 MOVES = 0.02           # [rad/s]
 LEAST = 1.0            # [s] of motion that tells an end from a joint that is held
 
@@ -32,10 +34,34 @@ def clipped_rows(robot, motion, recording):
             speed[said, j] = np.interp(stamp[said], motion.stamp[rows], np.abs(motion.v[rows, j]))
     for j in range(robot.n):
         for side in (effort[:, j], -effort[:, j]):
-            at_end = _cut_off(side, speed[:, j] > MOVES, stamp)
+            at_end = cut_off(side, speed[:, j] > MOVES, stamp)
             for said, rows in passes if at_end.any() else ():
                 out[rows, j] |= _remembered(motion.stamp[rows], stamp[said][at_end[said]])
     return out
+
+
+def never_changes(robot, torque):
+    """Tell which columns (n,) of efforts as torque (N, n) [Nm] are one value all the time."""
+    return np.ptp(torque, axis=0) <= CONSTANT * robot.limits.torque
+
+
+def cut_off(effort, moves, stamp):
+    """
+    Tell which efforts (M,) stand at the upper end of their range, none where it is no end.
+
+    moves (M,) bool: while the joint moves; stamp (M,) [s].
+    """
+    none = np.zeros(len(effort), bool)
+    if moves.sum() < 2 or moves.sum() * np.median(np.abs(np.diff(stamp))) < LEAST:
+        return none
+    top = np.quantile(effort[moves], 1.0 - SPIKES)
+    at_end = effort >= (1.0 - END) * top
+    below = effort[moves & ~at_end]
+    if top <= 0.0 or not len(below):
+        return none
+    near = (below >= below.max() - END * top).sum()
+    piled = (at_end & moves).sum()
+    return at_end if piled > max(OFTEN * moves.sum(), STEP * near) else none
 
 
 def clipped_efforts(robot, evidence):
@@ -55,21 +81,6 @@ def _passes(said, moved):
     if len(cuts[0]) == len(cuts[1]) and len(said) and len(moved):
         for a, b, c, d in zip(cuts[0], cuts[0][1:], cuts[1], cuts[1][1:]):
             yield slice(a, b), slice(c, d)
-
-
-def _cut_off(effort, moves, stamp):
-    """Tell which efforts (M,) stand at the upper end of their range, none where it is no end."""
-    none = np.zeros(len(effort), bool)
-    if moves.sum() < 2 or moves.sum() * np.median(np.abs(np.diff(stamp))) < LEAST:
-        return none
-    top = np.quantile(effort[moves], 1.0 - SPIKES)
-    at_end = effort >= (1.0 - END) * top
-    below = effort[moves & ~at_end]
-    if top <= 0.0 or not len(below):
-        return none
-    near = (below >= below.max() - END * top).sum()
-    piled = (at_end & moves).sum()
-    return at_end if piled > max(OFTEN * moves.sum(), STEP * near) else none
 
 
 def _reported(robot, recording):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .clipped_effort import never_changes
 from .errors import RecordingError
 from .rejected_input import share_rejected, told_of_rejected
 from .sliding import FEWEST_SECONDS, SLIDING_SPEED
@@ -9,8 +10,6 @@ from .sliding import FEWEST_SECONDS, SLIDING_SPEED
 # Share of the joint states rejected, and of a joint's efforts cut off, from which on the rest is
 # no more than what happened to be left.
 REJECTED, CUT_OFF = 0.5, 0.95
-# An effort that varies by no more than this share of max_torque does not change.
-CONSTANT = 1e-9
 
 
 def refuse_useless(robot, evidence):
@@ -29,11 +28,11 @@ def _dead(robot, evidence):
     """Return words on each joint that moves while its effort tells nothing."""
     motion, cut_off = evidence.motion, 1.0 - evidence.tells.mean(axis=0)
     moves = motion.dt @ (np.abs(motion.v) > SLIDING_SPEED) >= FEWEST_SECONDS
-    size = np.ptp(motion.effort, axis=0) * np.abs(robot.effort.torque_constants)
+    constant = never_changes(robot, motion.effort * robot.effort.torque_constants)
     unit = 'A' if robot.effort.kind == 'motor_current' else 'Nm'
     out = []
     for j in np.flatnonzero(moves):
-        if size[j] <= CONSTANT * robot.limits.torque[j]:
+        if constant[j]:
             out.append(f'{robot.joints[j]} stays at {motion.effort[0, j]:.4g} {unit}')
         elif cut_off[j] > CUT_OFF:
             out.append(f'{robot.joints[j]} stands at an end of its range in '

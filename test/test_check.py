@@ -201,6 +201,34 @@ def test_a_slow_motion_tells_no_delay(robot, motion):
     assert finding.verdict == 'cannot tell' and 'max_velocity' in finding.text
 
 
+def test_a_cut_off_effort_is_told_and_not_judged(robot, motion):
+    check = check_recording(recording(robot, motion, np.clip(torque(robot, motion), -30.0, 30.0)),
+                            robot)
+    only({f.item: f.verdict for f in check.findings}, saturation='doubt')
+    saturation, = [f for f in check.findings if f.item == 'saturation']
+    for joint in ('shoulder_lift_joint', 'elbow_joint'):
+        assert f'{joint} at 30 Nm' in saturation.text and joint not in check.joints
+
+
+@pytest.mark.filterwarnings('error')
+def test_dead_efforts_are_told_and_have_no_unit(robot, motion):
+    check = check_recording(recording(robot, motion, 0.0 * torque(robot, motion)), robot)
+    effort, = [f for f in check.findings if f.item == 'effort']
+    assert effort.verdict == 'wrong' and 'wrist_3_joint stays at 0 Nm' in effort.text
+    assert 'effort unit' not in {f.item for f in check.findings}
+
+
+def test_a_torque_constant_needs_a_gain(robot, motion):
+    """Friction alone tells none."""
+    effort = torque(robot, motion) - torque(robot, motion, friction=0.0)
+    unit, = [f for f in check_recording(recording(robot, motion, effort), robot).findings
+             if f.item == 'effort unit']
+    assert unit.verdict == 'wrong' and 'Nm/A' not in unit.todo
+    unit, = [f for f in check_recording(recording(robot, motion, torque(robot, motion) / 11.0),
+                                        robot).findings if f.item == 'effort unit']
+    assert 'Nm/A' in unit.todo
+
+
 def test_effort_without_gravity(robot, motion):
     effort = torque(robot, motion) - torque(robot, motion, friction=0.0) \
         + torque(robot, motion, [0.0, 0.0, 0.0], friction=0.0)

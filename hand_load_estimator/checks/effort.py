@@ -4,6 +4,7 @@ import numpy as np
 
 from .effort_beyond import check_beyond
 from .effort_fit import CERTAIN, fit_delay, fit_joint
+from .effort_range import check_range
 from .effort_terms import joint_columns, rigid_terms
 from .finding import DOUBT, Finding, OK, UNKNOWN, WRONG
 from .gravity_fit import fit_gravity
@@ -27,10 +28,13 @@ def check_effort(signals, robot, load):
     """
     terms = rigid_terms(robot, signals, load)
     columns = joint_columns(signals, terms)
-    moving = [j for j, c in enumerate(columns) if c is not None]
-    saturation, beyond = _saturation(signals, robot), check_beyond(signals, terms, robot)
+    ends, left_out = check_range(signals, robot)
+    # Of what is cut off a fit makes another gain.
+    moving = [j for j, c in enumerate(columns) if c is not None and j not in left_out]
+    beyond = check_beyond(signals, terms, robot)
     if not moving:
-        return [beyond or _standing(signals, terms, robot), saturation], {}
+        unit = beyond if left_out else beyond or _standing(signals, terms, robot)
+        return [*filter(None, [unit]), *ends], {}
     gravity = np.array(robot.file.gravity)
     fits = {j: fit_joint(columns[j], gravity) for j in moving}
     direction = _oriented(fit_gravity([columns[j] for j in moving], gravity,
@@ -40,9 +44,9 @@ def check_effort(signals, robot, load):
         unit = beyond
     findings = [unit, _sign(fits, robot), _compensation(fits),
                 _gravity(direction, robot), _delay(signals, terms, gravity, _told(fits), robot),
-                saturation]
+                *ends]
     told = _told(fits)
-    if told and _POSSIBLE_GAIN[0] <= _typical_gain(told) <= _POSSIBLE_GAIN[1]:
+    if told and _POSSIBLE_GAIN[0] <= _typical(told).gain <= _POSSIBLE_GAIN[1]:
         findings.append(_load(signals, robot, moving, load))
     return findings, {robot.joints[j]: _row(fit) for j, fit in fits.items()}
 
@@ -77,20 +81,19 @@ def _standing(signals, terms, robot):
                    _RECORD)
 
 
-def _typical_gain(told):
-    """Return the gain of the joints that carry most gravity, a median weighted with it."""
-    gains = np.array([f.gain for f in told.values()])
-    weights = np.array([f.gravity_rms for f in told.values()]) + 1e-9
-    order = np.argsort(gains)
-    middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())
-    return gains[order[middle]]
+def _typical(told):
+    """Return the JointFit with the median gain, weighted with the gravity that joints carry."""
+    ordered = sorted(told.values(), key=lambda f: f.gain)
+    weights = np.array([f.gravity_rms for f in ordered]) + 1e-9
+    return ordered[np.searchsorted(np.cumsum(weights), 0.5 * weights.sum())]
 
 
 def _unit(fits, robot, load):
     told = _told(fits)
     if not told:
         return Finding('effort unit', UNKNOWN, 'no joint moves enough against its weight', _RECORD)
-    gain = _typical_gain(told)
+    typical = _typical(told)
+    gain = typical.gain
     kind = robot.effort.kind
     text = (f'{gain:.2f} times the torque of the robot file\'s rigid body '
             f'({", ".join(f"{robot.joints[j]} {f.gain:.2f}" for j, f in told.items())})')
@@ -100,7 +103,9 @@ def _unit(fits, robot, load):
         return Finding('effort unit', DOUBT, text, 'state the load in load.yaml; compare link '
                        'masses of the URDF and torque constants')
     todo = 'compare effort.kind and torque_constants with the driver'
-    if kind != 'motor_current' and abs(gain) < _POSSIBLE_GAIN[0]:
+    if abs(gain) <= CERTAIN * typical.gain_std:
+        todo += '; the effort has next to nothing of the rigid body in it (see compensation)'
+    elif kind != 'motor_current' and abs(gain) < _POSSIBLE_GAIN[0]:
         todo = (f'looks like amperes: kind motor_current with about {1.0 / gain:.1f} Nm/A; '
                 'or the effort has no gravity in it (see compensation)')
     elif kind == 'motor_current' and abs(gain) > _POSSIBLE_GAIN[1]:
@@ -223,19 +228,6 @@ def _delay(signals, terms, gravity, told, robot):
     return Finding('delay', DOUBT if abs(delay) < 0.05 else WRONG, text, 'stamp position and '
                    'effort together; a filter on one of them delays it; commanded positions need '
                    '`position` in the robot file')
-
-
-def _saturation(signals, robot):
-    share = np.max(np.abs(signals.effort), axis=0) / robot.limits.torque
-    j = int(np.argmax(share))
-    text = f'largest on {robot.joints[j]}: {100.0 * share[j]:.0f} % of max_torque'
-    at_end = np.mean(np.abs(signals.effort[:, j]) > 0.98 * robot.limits.torque[j])
-    if share[j] > 1.2:
-        return Finding('saturation', DOUBT, text, 'compare max_torque and the unit of the effort')
-    if at_end > 0.002:
-        return Finding('saturation', DOUBT, f'{text}, {100.0 * at_end:.1f} % of the time',
-                       'move slower or with less load')
-    return Finding('saturation', OK, text)
 
 
 def _load(signals, robot, moving, load):

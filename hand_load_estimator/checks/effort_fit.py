@@ -102,7 +102,8 @@ def fit_delay(signals, terms, gravity, joints, slowest, longest=0.1):
     [rad/s], leave the least unexplained.
     """
     lags = np.linspace(-longest, longest, 21)
-    misfits, spreads = zip(*(_misfit(signals, terms, gravity, joints, lag, slowest) for lag in lags))
+    misfits, spreads = zip(*(_misfit(signals, terms, gravity, joints, lag, slowest)
+                             for lag in lags))
     best = int(np.argmin(misfits))
     if not 0 < best < len(lags) - 1:
         return np.nan, np.inf
