@@ -10,15 +10,17 @@ import pytest
 from hand_load_estimator.cli import main
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError, RecordingError
-from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.evidence import Evidence, prepare
 from hand_load_estimator.identification import declare, identify, nominal_model, prior
 from hand_load_estimator.joint_stream import motion_of
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.load_file import write_load_file
-from hand_load_estimator.model_file import read_model
+from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.motion import Motion
-from hand_load_estimator.recording import JointSample, Recording, RecordingWriter
+from hand_load_estimator.recording import (JointSample, read_recording, Recording,
+                                           RecordingWriter)
 from hand_load_estimator.regression_system import System
+from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, EffectUse,
                                                 motion_input, torque_columns)
 
@@ -266,6 +268,31 @@ def test_a_known_load_gives_the_same_model_as_none(folder):
     assert (np.abs(empty.mean - loaded.mean)[40:] < 4.0 * deviation).all()
     _, ignored = identified(folder, str(folder / 'loaded'), effects, '--load', 'none')
     assert (np.abs(empty.mean - ignored.mean)[40:] > 8.0 * deviation).any()
+
+
+def test_a_model_is_identified_again_with_what_a_diagnosis_added(folder, capsys):
+    """No list of effects can declare a ripple, whose period only a residual tells."""
+    _, plain = identified(folder, str(folder / 'empty'),
+                          '--effects=coulomb_friction,viscous_friction')
+    ripple = EffectUse('torque_ripple', 1, {'periods': 12.5})
+    diagnosed = identified_again(plain, (*plain.uses, ripple), [evidence_of(folder / 'empty')])
+    old, out = folder / 'diagnosed.yaml', folder / 'again.yaml'
+    write_model(old, diagnosed)
+    arguments = ['identify', str(folder / 'loaded'), '--out', str(out), '--model', str(old)]
+    assert main(arguments) == 0
+    again = read_model(out)
+    assert again.uses == read_model(old).uses
+    assert (again.mean != diagnosed.mean).any()
+    assert [mark.name for mark in again.recordings] == ['empty', 'loaded']
+    assert main([*arguments, '--effects', 'coulomb_friction']) == 2
+    assert 'does not go with --model' in capsys.readouterr().err
+
+
+def evidence_of(path):
+    """Return the Evidence of a recording of the four-axes arm."""
+    recording = read_recording(path)
+    motion, _ = motion_of(four_axes(), recording)
+    return prepare(four_axes(), path.name, motion, recording.load, recording)
 
 
 def test_repeated_motion_is_told(folder, capsys):

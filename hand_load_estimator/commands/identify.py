@@ -12,17 +12,25 @@ from .recording_arguments import add_recording_arguments, topics
 
 # Share of the motion from which on it is said that it repeats what was shown before.
 REPEATED = 0.25
-EXAMPLE = 'hand_load identify run1 run2 --robot ur10e --out model.yaml'
+EXAMPLE = """
+hand_load identify run1 run2 --robot ur10e --out model.yaml
+hand_load identify run3 run4 --model diagnosis/model.yaml --out model.yaml
+"""
 
 
 def add_arguments(parser):
     """Declare the arguments."""
     parser.add_argument('recordings', nargs='+', metavar='BAG', help='rosbag2 recordings')
-    parser.add_argument('--robot', required=True, metavar='R.yaml',
-                        help='robot file, or the name of a shipped one')
+    arm = parser.add_mutually_exclusive_group(required=True)
+    arm.add_argument('--robot', metavar='R.yaml',
+                     help='robot file, or the name of a shipped one')
+    arm.add_argument('--model', metavar='MODEL.yaml',
+                     help='identify again what this model holds, its effects with their shapes '
+                          'and what `diagnose` has added; its figures are what is known before')
     parser.add_argument('--out', required=True, metavar='MODEL.yaml', help='model file to write')
     parser.add_argument('--effects', metavar='a,b,...', default=None,
-                        help='effects to declare (default: all the package knows)')
+                        help='effects to declare (default: all the package knows); not with '
+                             '--model')
     parser.add_argument('--load', metavar='none|L.yaml', default=None,
                         help='load in all recordings; without it each load.yaml says')
     add_recording_arguments(parser)
@@ -61,21 +69,23 @@ def read_evidence(robot, args):
 
 def run(args):
     """Identify, write the model and say how good it is."""
-    from ..identification import check_effects, identify
+    from ..identification import check_effects
     from ..identified_sense import nonsense, refuse_nonsense
-    from ..model_file import SCHEMA, write_model
+    from ..model_file import read_model, SCHEMA, write_model
     from ..output_file import output_file
     from ..residual.repeats import share_repeated
     from ..robot import load_robot
     from ..shared_files import find_shared
     from ..unknown_friction import told_of_unknown_friction
-    robot_path = find_shared(args.robot, 'robots')
-    out = output_file(args.out, SCHEMA, (*args.recordings, robot_path, args.load))
-    robot = load_robot(robot_path)
-    effects = None if args.effects is None else args.effects.split(',')
+    source = find_shared(args.model, 'models') if args.model else \
+        find_shared(args.robot, 'robots')
+    out = output_file(args.out, SCHEMA, (*args.recordings, source, args.load))
+    before = read_model(source) if args.model else None
+    robot = before.robot if before else load_robot(source)
+    effects = _effects(args)
     check_effects(effects or ())
     evidence = read_evidence(robot, args)
-    model = identify(robot, evidence, effects, progress=_say)
+    model = _identified(robot, before, evidence, effects)
     senseless = nonsense(model, evidence)
     refuse_nonsense(robot, evidence, senseless)
     write_model(out, dated(model, model.residuals.sliding))
@@ -88,6 +98,25 @@ def run(args):
              'out may have its twin in what is fitted, and errors in other motions may be larger '
              'than those; record other motions too (hand_load excite)')
     return 0
+
+
+def _effects(args):
+    from ..errors import ConfigurationError
+    if args.effects is None:
+        return None
+    if args.model:
+        raise ConfigurationError('--effects', 'does not go with --model, which has its effects',
+                                 args.effects, todo='leave one of them out')
+    return args.effects.split(',')
+
+
+def _identified(robot, before, evidence, effects):
+    """Return the TorqueModel, everything in it estimated together; before: the old or None."""
+    from ..identification import identify
+    from ..residual.add import identified_again
+    if before is None:
+        return identify(robot, evidence, effects, progress=_say)
+    return identified_again(before, before.uses, evidence)
 
 
 def dated(model, sliding):
