@@ -38,8 +38,9 @@ def test_the_error_on_a_recording_is_less_what_the_model_was_identified_with():
     bayes, rival = content['methods']['bayes'], content['methods']['figaroh']
     assert bayes == {
         'runs': 2, 'median_percent': pytest.approx(2.0), 'worst_percent': pytest.approx(3.0),
-        'possible_percent': pytest.approx(2.0), 'inside': 0.5, 'percent_at': {'0.5 s': pytest.approx(3.0), '1 s': pytest.approx(2.0),
-                                      '3 s': None, '10 s': None, 'end': pytest.approx(2.0)},
+        'possible_percent': pytest.approx(2.0), 'inside': 0.5,
+        'percent_at': {'0.5 s': pytest.approx(3.0), '1 s': pytest.approx(2.0), '3 s': None,
+                       '10 s': None, 'end': pytest.approx(2.0)},
         'later_percent': pytest.approx(10.0), 'time_inside': pytest.approx(0.8),
         'mismatch': pytest.approx(0.05), 'changes': 3}
     assert rival['percent_at']['end'] == pytest.approx(0.5) and rival['changes'] is None

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from residual_helpers import (constant_friction, declared_model, on, peak, recorded, ripple, thinning,
-                              viscous)
+from residual_helpers import (constant_friction, declared_model, on, peak, recorded, ripple,
+                              thinning, viscous)
 
 from hand_load_estimator.residual.candidate import single, Step
 from hand_load_estimator.residual.find import find_residual

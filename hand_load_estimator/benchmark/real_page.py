@@ -18,7 +18,8 @@ def real_blocks(content):
              'state (none for most); the error is the estimate in a test run less that mass. It '
              'should be zero. Without load, ours are judged before what they publish is '
              'kept above zero; `mujoco.sysid` and `figaroh` name no other masses, so one column '
-             'takes every mass below zero for zero. The load of run load_2600 is known by the file name only. '
+             'takes every mass below zero for zero. The load of run load_2600 is known by the '
+             'file name only. '
              f'Loads assumed: {_assumed(content)}.' + left_out_told(content)),
         Text('Times count from motion start. The load is the same all along each run: every load '
              'change counted is a false one. Rivals that look at a whole recording are asked at '
@@ -26,7 +27,8 @@ def real_blocks(content):
         Table(['mass error [% of rated]', 'runs', *(f'median, {m}' for m in MOMENTS),
                'median, end, none below zero', 'largest, end', f'largest, {_LATER}'],
               [[name, str(f['runs']), *(_told(f['percent_at'][m], '.2f') for m in MOMENTS),
-                _told(f['possible_percent'], '.2f'), _told(f['worst_percent'], '.2f'), _told(f['later_percent'], '.1f')]
+                _told(f['possible_percent'], '.2f'), _told(f['worst_percent'], '.2f'),
+                _told(f['later_percent'], '.1f')]
                for name, f in methods.items()]),
         Table(['method', '95 % interval holds at the end [% of runs]',
                f'the same {_LATER} [% of the time]', 'load changes counted',

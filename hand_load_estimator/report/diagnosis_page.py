@@ -162,8 +162,8 @@ def _not_asked(error):
     """Return in how many recordings a network was not asked, nothing where it was in all."""
     if not error.not_asked:
         return ''
-    return (f'<p>In {error.not_asked} of {error.n} the network was not asked: it was trained beside '
-            'temperatures, and not of every joint one is known. There lstm is bayes.</p>')
+    return (f'<p>In {error.not_asked} of {error.n} the network was not asked: it was trained '
+            'beside temperatures, and not of every joint one is known. There lstm is bayes.</p>')
 
 
 def _kept(kept):
