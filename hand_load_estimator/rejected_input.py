@@ -4,9 +4,14 @@
 _NO_STATE = ('gap', 'clock_restart', 'implausible_temperature', 'temperature_expired')
 
 
+def joint_states_of(rejected):
+    """Return those of counts {reason: count} that are of joint states not used."""
+    return {reason: count for reason, count in rejected.items() if reason not in _NO_STATE}
+
+
 def share_rejected(evidence):
     """Return the share of the joint states of an Evidence's recording that were rejected."""
-    count = sum(number for reason, number in evidence.rejected.items() if reason not in _NO_STATE)
+    count = sum(joint_states_of(evidence.rejected).values())
     return count / max(count + _used(evidence), 1)
 
 

@@ -300,7 +300,11 @@ def test_gaps_and_stamps(robot, motion):
     back[500], back[700] = back[498], back[699]
     assert verdicts(robot, recording(robot, (back, q, v, a), effort))['order'] == 'doubt'
     same = np.zeros_like(t)
-    assert verdicts(robot, recording(robot, (same, q, v, a), effort))['rate'] == 'wrong'
+    for stamps, words in ((same, 'all header stamps are the same'),
+                          (-t, '0 repeated, 2399 backward stamps of 2400')):
+        check = check_recording(recording(robot, (stamps, q, v, a), effort), robot)
+        rate, = [f for f in check.findings if f.item == 'rate']
+        assert rate.verdict == 'wrong' and words in rate.text
 
 
 def test_repeated_states(robot, motion):

@@ -1,5 +1,6 @@
 """`hand_load estimate`: the JSON of DESIGN section 4, causal; wrong input ends with status 2."""
 
+from dataclasses import replace
 import json
 import subprocess
 import sys
@@ -163,6 +164,15 @@ def test_an_arm_at_rest_is_readable_and_tells_little(folder, capsys):
     assert status == 0 and content['status'] == 'WAITING_FOR_MOTION'
     assert not all(content['determined'][:4])
     assert 'WAITING_FOR_MOTION' in capsys.readouterr().out
+
+
+def test_stamps_that_repeat_are_no_arm_at_rest():
+    stream = messages(exact_model('four'), LOAD, 5.0)
+    content = estimated([replace(m, stamp=stream[0].stamp) for m in stream])
+    assert content['status'] == 'WAITING_FOR_MOTION'
+    assert f'{len(stream) - 1} repeated stamp' in content['reason']
+    still = estimated(messages(exact_model('four'), LOAD, 2.0, rest=9.0))
+    assert 'at rest friction hides it' in still['reason']
 
 
 def test_other_joints_only_is_readable_and_says_whose(folder, capsys):

@@ -16,8 +16,10 @@ def check_stamps(time):
         return [Finding('rate', UNKNOWN, f'{len(time)} usable joint states are too few')]
     steps = np.diff(time)
     if not np.any(steps > 0.0):
-        return [Finding('rate', WRONG, 'all header stamps are the same',
-                        'let the driver stamp its messages')]
+        text = (f'no header stamp is later than the one before: {_counts(steps)}'
+                if np.any(steps) else 'all header stamps are the same')
+        return [Finding('rate', WRONG, text, 'let the driver stamp its messages with a clock that '
+                        'goes forward')]
     forward = steps[steps > 0.0]
     return [_rate(time, forward), _jitter(forward), _gaps(forward), _order(steps)]
 
@@ -53,10 +55,13 @@ def _gaps(forward):
                    'time', 'record on the robot\'s own computer or over a cable')
 
 
-def _order(steps):
+def _counts(steps):
     repeated, backward = int(np.sum(steps == 0.0)), int(np.sum(steps < 0.0))
-    text = f'{repeated} repeated, {backward} backward stamps of {len(steps) + 1}'
-    share = (repeated + backward) / len(steps)
-    return Finding('order', OK if share == 0.0 else graded(share, 0.0, 0.05), text,
+    return f'{repeated} repeated, {backward} backward stamps of {len(steps) + 1}'
+
+
+def _order(steps):
+    share = np.mean(steps <= 0.0)
+    return Finding('order', OK if share == 0.0 else graded(share, 0.0, 0.05), _counts(steps),
                    '' if share == 0.0 else 'such messages are rejected and counted; look for two '
                    'publishers on the topic')

@@ -5,6 +5,7 @@ import numpy as np
 from ..errors import HandLoadError
 from ..joint_stream import JointStream
 from ..load import LoadEstimate
+from ..rejected_input import in_words, joint_states_of
 from ..residual.watch import ResidualWatch
 from ..suggest_motion import MotionSuggester, SuggestionError
 from .impossible_mass import impossible_mass
@@ -236,8 +237,7 @@ class Pipeline:
         change = self.method.last_change
         impossible = impossible_mass(belief, self.tared_mass)
         if not self._began and not self._restored:
-            return 'WAITING_FOR_MOTION', _joined(
-                'no joint that carries the load has moved: at rest friction hides it', impossible)
+            return 'WAITING_FOR_MOTION', _joined(self._why_waiting(), impossible)
         if mismatch := _joined(self.method.mismatch, impossible):
             return 'MODEL_MISMATCH', mismatch
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
@@ -246,6 +246,14 @@ class Pipeline:
             return 'DETERMINED', f'mass and centre of mass are determined{self._unconfirmed()}'
         open_ = [name for name, done in zip(('mass', 'x', 'y', 'z'), determined) if not done]
         return 'ESTIMATING', f'not determined yet: {", ".join(open_)}{self._unconfirmed()}'
+
+    def _why_waiting(self):
+        """Return in words why no motion was seen."""
+        rejected = joint_states_of(self._stream.rejected)
+        if sum(rejected.values()) > self.samples:
+            return (f'most joint states are rejected: {in_words(rejected)}; no joint that carries '
+                    'the load moves in the others')
+        return 'no joint that carries the load has moved: at rest friction hides it'
 
     def _unconfirmed(self):
         """Return in words that a restored estimate has seen no motion yet."""
