@@ -15,8 +15,9 @@ REJECTED, CUT_OFF = 0.5, 0.95
 def refuse_useless(robot, evidence):
     """Raise RecordingError where an Evidence is of a recording that tells nothing of torques."""
     if share_rejected(evidence) > REJECTED:
-        raise RecordingError(f'{told_of_rejected(evidence)[0]}; a model needs most of them: give '
-                             'the robot file of this arm and of this unit of effort')
+        raise RecordingError(f'{told_of_rejected(evidence)[0]}; a model needs most of them: '
+                             'correct the driver, or give the robot file of this arm and of this '
+                             'unit of effort')
     said = _dead(robot, evidence)
     if said:
         raise RecordingError(f'{evidence.name}: an effort tells nothing while its joint moves: '
