@@ -75,8 +75,10 @@ def test_a_backend_that_cannot_serve_is_refused_before_the_run(tmp_path, capsys,
     assert not (tmp_path / 'out').exists()
 
 
+# A shell starts what runs behind it with interrupts ignored, tests among it.
 INTERRUPTED = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from hand_load_estimator.benchmark.execute import measure_all
 jobs = {'quick': (0,), **{f'slow_{k}': (60,) for k in range(4)}}
 try:
