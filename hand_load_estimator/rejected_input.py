@@ -10,8 +10,13 @@ def joint_states_of(rejected):
 
 
 def share_rejected(evidence):
-    """Return the share of the joint states of an Evidence's recording that were rejected."""
-    count = sum(joint_states_of(evidence.rejected).values())
+    """
+    Return the share of the joint states of an Evidence's recording that were rejected.
+
+    A state that is published again with its stamp is no loss.
+    """
+    count = sum(number for reason, number in joint_states_of(evidence.rejected).items()
+                if reason != 'repeated_stamp')
     return count / max(count + _used(evidence), 1)
 
 

@@ -69,6 +69,11 @@ def test_what_tells_enough_becomes_a_model(change, tmp_path):
     assert identify(tmp_path, stream(change)) == (0, True)
 
 
+def test_joint_states_published_thrice_lose_nothing(tmp_path):
+    states = [state for state in stream(np.copy) for _ in range(3)]
+    assert identify(tmp_path, states) == (0, True)
+
+
 def test_the_reasons_of_rejections_are_printed(tmp_path, capsys):
     identify(tmp_path, stream(now_and_then_beyond(0.1)))
     assert 'implausible effort)' in capsys.readouterr().err.splitlines()[0]
