@@ -159,6 +159,14 @@ def test_page_of_an_empty_diagnosis_reads_well():
     assert 'nan' not in words and 'None' not in words
 
 
+def test_a_model_that_was_adapted_without_a_name_says_so_first():
+    changed = dataclasses.replace(nothing(), before=nothing().after * [1.0, 9.0, 1, 1, 1, 1])
+    (told,) = diagnosis_page.sentences(changed)
+    assert told == (f'No effect named, but ur10e is no longer as its model says: at joint '
+                    f'{JOINTS[1]} the model written has an error of 1.25 instead of 11.2 Nm')
+    assert 'fits ur10e' in diagnosis_page.headline(nothing())
+
+
 def test_page_says_what_became_of_the_artefact(read):
     assert 'were left as they are and run with the better model' in read.words()
     words = Reader(diagnosis_page.page(tuned())).words()

@@ -20,6 +20,8 @@ from .words import (as_sentence, items_html, label_html, name_words, number_text
 MARK = 'Diagnosis of the torque model of'
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
+# Without a finding, a model that leaves less than this share of a joint's error says so first.
+_ADAPTED = 0.8
 # A test error that grew by more than this is no chance.
 _WORSE = 1.15
 
@@ -36,6 +38,12 @@ def _nothing(diagnosis):
     if left.max() >= _WEIGHTY:
         return (f'No effect named, but the torque model does not fit {diagnosis.robot}: '
                 f'look at joint {diagnosis.joints[int(left.argmax())]}')
+    left_of = np.nan_to_num(diagnosis.after / diagnosis.before, nan=1.0)
+    j = int(left_of.argmin())
+    if left_of[j] < _ADAPTED:
+        return (f'No effect named, but {diagnosis.robot} is no longer as its model says: at joint '
+                f'{diagnosis.joints[j]} the model written has an error of {diagnosis.after[j]:.3g} '
+                f'instead of {diagnosis.before[j]:.3g} Nm')
     if not np.isfinite(diagnosis.unexplained).all():
         return (f'No effect found; these recordings cannot tell whether the torque model fits '
                 f'{diagnosis.robot}')
