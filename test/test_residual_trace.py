@@ -295,4 +295,3 @@ def test_what_the_model_expects_is_in_the_model_written_all_the_same():
     joint = better.robot.joints[2]
     told = [s for s in diagnosis.cannot_tell if f'viscous_friction of {joint}' in s]
     assert len(told) == 1 and 'model.yaml has the change' in told[0]
-    assert diagnosed(on(2, 8.0, viscous), model=declared_model(1e-3))[0].findings
