@@ -40,6 +40,11 @@ class Found:
         """Changes of declared effects no larger than the model says to expect."""
         return [step for step in self._all if step.expected]
 
+    @property
+    def newest(self):
+        """The Step added last, new or not."""
+        return self._all[-1]
+
     def blocks(self):
         """Return Blocks with everything found for nuisances."""
         return self._blocks_of(self._all)

@@ -17,13 +17,13 @@ from .unfounded import EXACT
 
 def take_back(found, model, warmed, possible):
     """
-    Drop the Step of Found that its last explains, too, where it has its own finer form.
+    Drop the Step of Found that its newest explains, too, where it has its own finer form.
 
     model, warmed: as of Trace; possible(candidate): whether physics allows it and it matters.
     Returns the indices of the joints where anything has changed.
     """
-    last = found.steps[-1] if found.steps else None
-    if last is None or not _replaceable(last) or not searched(last.chosen.parts[0][0]):
+    last = found.newest
+    if last.expected or not _replaceable(last) or not searched(last.chosen.parts[0][0]):
         return set()
     for k, earlier in enumerate(found.steps[:-1]):
         if not _replaceable(earlier) or earlier.chosen.joints != last.chosen.joints:
