@@ -60,6 +60,10 @@ def side_by_side(*columns):
     return out
 
 
+# [-] A search that goes to an end of a shape stops so near it.
+AT_END = 0.05
+
+
 @dataclass(frozen=True)
 class Shape:
     """
@@ -77,6 +81,14 @@ class Shape:
     gain: float = 0.0
     least: float = 0.0
     most: float = np.inf
+
+    def slowest(self, value):
+        """Tell whether a value stands at the lower end of a speed, which no motion goes below."""
+        return self.unit == 'rad/s' and value <= (1.0 + AT_END) * self.least
+
+    def longest(self, value):
+        """Tell whether a value stands at the upper end."""
+        return value >= (1.0 - AT_END) * self.most
 
     def there(self, value):
         """Tell whether a value says anything: infinite, or not worth its price, it is plain."""

@@ -7,13 +7,15 @@ NO_MOTION = 'no motion of the arm in this mounting separates'
 # What is said of effects that have been found alike and of which nobody knows how to part them.
 NO_KNOWN_MOTION = 'no motion is known that separates it from'
 _SAME = 1e-6  # [-] of a column's length that may be left of it
-# Of two that DESIGN section 4 calls hard to tell apart, both are named where the lesser gains at
-# least this share: their formulas are no exacter than that, whatever the blocks prefer.
+# Of two that DESIGN section 4 calls hard to tell apart, or that differ only where friction turns,
+# both are named where the lesser gains at least this share: their formulas are no exacter than
+# that, whatever the blocks prefer.
 CLOSE = 0.97
-_DESIGN = tuple(map(frozenset, (
+_TOGETHER = tuple(map(frozenset, (
     ('gravity_spring', 'link_inertia'), ('gravity_spring', 'cable_drag'),
     ('presliding_hysteresis', 'stribeck_friction'), ('base_tilt', 'link_inertia'),
-    ('temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'))))
+    ('temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'),
+    ('friction_asymmetry', 'torque_offset'))))
 # Gravity's torque on a joint changes with the joints before it, that of its own parts does not.
 _OTHER_POSES = ('move the joint over the same range with the joints before it in several poses: '
                 'what sits at the joint stays, gravity does not')
@@ -122,10 +124,10 @@ def advice(name, others):
 
 
 def named_together(best, other):
-    """Tell whether the lesser of two Candidates is named too, as DESIGN's sets are if close."""
+    """Tell whether the lesser of two Candidates is named too, as those of _TOGETHER are if close."""
     pair = frozenset({best.name, other.name})
     # A leaning base is no joint's own; of all others only those of one joint look alike.
-    return pair in _DESIGN and (best.joints == other.joints or 'base_tilt' in pair) \
+    return pair in _TOGETHER and (best.joints == other.joints or 'base_tilt' in pair) \
         and other.gain > CLOSE * best.gain
 
 

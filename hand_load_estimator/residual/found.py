@@ -8,7 +8,7 @@ found at a joint settles with what was found there before. A delay delays all of
 from dataclasses import replace
 
 from ..effects import LATE
-from .candidate import evaluated, hypotheses_of, with_hypotheses
+from .candidate import alike, evaluated, hypotheses_of, with_hypotheses
 from .choice import looks_like
 from .delay_among_others import delay_among, delayed
 from .diagnosis import UNKNOWN
@@ -120,11 +120,20 @@ class Found:
 
     def _search_again(self, k):
         """Search the shapes of the Step at k again, and what it looks like now."""
-        step = self._all[k]
-        step = self._all[k] = replace(step, chosen=searched_again(
-            step.chosen, self.beside(step), self._model, self.residual, self._warmed))
+        step, blocks = self._all[k], self.beside(self._all[k])
+        chosen = searched_again(step.chosen, blocks, self._model, self.residual, self._warmed)
+        step = self._all[k] = self._beside_rivals(replace(step, chosen=chosen), blocks)
         self.put(self._plainer(step), step)
         self.taken |= {h.key for h, _ in self._all[k].chosen.parts}
+
+    def _beside_rivals(self, step, blocks):
+        """Return a Step with what else it may be, and is not found yet, as it is on Blocks."""
+        found = {h.key for other in self._others(step) for h, _ in other.chosen.parts}
+        now = [(evaluated(_delayed(c, self.residual), blocks), k < len(step.alternatives))
+               for k, c in enumerate(_rivals(step)) if not found & {h.key for h, _ in c.parts}]
+        return replace(
+            step, alternatives=tuple(c for c, beside in now if beside and alike(step.chosen, c)),
+            next_best=max((c for c, _ in now), key=lambda c: c.gain, default=None))
 
     def _search_delay(self, k, places):
         """Search the delay of the Step at k where it fits best with what is at other places."""
@@ -140,10 +149,8 @@ class Found:
 
     def _plainer(self, step):
         """Return a Step of what its Candidate looks like beside what was found since."""
-        chosen, blocks = step.chosen, self.beside(step)
-        others = [evaluated(_delayed(c, self.residual), blocks)
-                  for c in (*step.alternatives, step.next_best)
-                  if c is not None and c.joints == chosen.joints
+        chosen = step.chosen
+        others = [c for c in _rivals(step) if c.joints == chosen.joints
                   and not self.taken & {h.key for h, _ in c.parts}]
         plainer = max((c for c in others if looks_like(chosen, c) and self._possible(c)),
                       key=lambda c: c.gain, default=None)
@@ -180,6 +187,14 @@ class Found:
             for hypothesis, _ in step.chosen.parts:
                 blocks.add(hypothesis.columns)
         return blocks
+
+
+def _rivals(step):
+    """Return the Candidates of a Step beside its own, each once."""
+    rivals = [*step.alternatives]
+    if step.next_best is not None and not any(step.next_best is c for c in rivals):
+        rivals.append(step.next_best)
+    return rivals
 
 
 def _delayed(candidate, residual):

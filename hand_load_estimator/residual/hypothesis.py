@@ -73,7 +73,7 @@ def turns(hypothesis):
 def looks_like_another(hypothesis):
     """Tell whether a shape stands at an end, beyond which no motion shows what it is."""
     there = searched(hypothesis)
-    return any(there[s.name] >= s.most or s.unit == 'rad/s' and there[s.name] <= s.least
+    return any(s.longest(there[s.name]) or s.slowest(there[s.name])
                for s in EFFECTS[hypothesis.name].shapes if s.name in there) if there else False
 
 

@@ -107,9 +107,11 @@ class Together:
         least = needed + max([0.0] + [c.gain for c in next_best if c.name != LATE])
         if lost.gain < least or not significant(lost):
             return ()
-        delay = self._beside_other(pair.first, pair.second)
+        second = _step(pair.second, self._named(pair.first), {LATE}, needed)
+        delay = self._beside_other(pair.first, second.chosen)
         worth = replace(delay, gain=lost.gain, std=lost.std, by_block=lost.by_block)
-        return Step(worth, (), None, needed), Step(pair.second, (), None, needed)
+        rival = next((c for c in next_best if c.name not in (LATE, UNKNOWN)), None)
+        return Step(worth, (), rival, needed), second
 
     def _better(self, both, chosen, next_best, needed):
         if chosen.name == UNKNOWN:

@@ -57,11 +57,11 @@ def _why(finding, interval):
             return (f'{joints}: time_delay is only suspected: {1e3 * mean:.2g} ms is less than '
                     f'half of the {1e3 * interval:.2g} ms between two joint states, too short to '
                     'be told from what other effects leave')
-        if any(s.name == plain and mean <= s.least for s in EFFECTS[finding.name].shapes
-               if s.unit == 'rad/s'):
+        own = [s for s in EFFECTS[finding.name].shapes if s.name == plain]
+        if any(s.slowest(mean) for s in own):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or below '
                     f'{mean:.3g} {unit}, slower than any motion that tells friction')
-        if any(s.name == plain and mean >= s.most for s in EFFECTS[finding.name].shapes):
+        if any(s.longest(mean) for s in own):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or above '
                     f'{mean:.3g} {unit}, where it looks like another effect')
     return ''
