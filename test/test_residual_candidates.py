@@ -76,8 +76,10 @@ def test_an_alternative_is_what_blocks_cannot_tell(other, gain, spread, told):
     assert step.chosen is best and step.alternatives == (() if told else (rival,))
 
 
-def test_of_pairs_of_the_design_only_those_of_one_joint_are_named_together():
-    best, rival = candidate('gravity_spring', 2000.0), candidate('link_inertia', 1990.0)
+@pytest.mark.parametrize('name, other', [('gravity_spring', 'link_inertia'),
+                                         ('torque_offset', 'friction_asymmetry')])
+def test_of_pairs_named_together_only_those_of_one_joint_are(name, other):
+    best, rival = candidate(name, 2000.0), candidate(other, 1990.0)
     elsewhere = Candidate(rival.name, tuple((replace(h, joint=1), s) for h, s in rival.parts),
                           rival.gain, rival.std, rival.by_block)
     step = chosen_step(best, [best, rival, elsewhere], 30.0, ())

@@ -182,6 +182,26 @@ def test_what_stands_at_its_end_gives_way_to_what_it_looks_like_if_that_may_be(p
     assert (('coulomb_friction', JOINT, '') in found.taken) == possible
 
 
+def test_rivals_are_weighed_again_beside_what_was_found_since():
+    """A level gained much while a ripple was in the residual; what was found is no rival."""
+    model = declared_model()
+    residual = find_residual(model, recorded(on(JOINT, 3.0, ripple),
+                                             on(JOINT, 6.0, constant_friction))[:-1])
+    those = candidates(model, residual, {'torque_ripple': {'periods': 23.4},
+                                         'coulomb_friction': {}, 'viscous_friction': {}})
+    overrated = replace(those['viscous_friction'], gain=1e9)
+    found = Found(model, residual, (), None, lambda c: True)
+    found.add(replace(step(those['torque_ripple']), next_best=those['coulomb_friction']))
+    found.add(replace(step(those['coulomb_friction']), next_best=overrated))
+    found.settle()
+    rippled, level = found.steps
+    assert rippled.next_best is None
+    assert level.next_best.name == 'viscous_friction' and level.alternatives == ()
+    assert level.next_best.gain == pytest.approx(
+        found.beside(level).evaluate(overrated.parts[0][0].columns).gain)
+    assert level.next_best.gain < level.chosen.gain
+
+
 def test_parameters_of_a_late_joint_are_fitted_again_as_late_as_it_is():
     """All but the delay's own, which says how late already."""
     model = delaying(1.0, 0.04)

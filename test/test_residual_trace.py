@@ -136,6 +136,9 @@ def test_joints_show_together_what_none_shows_alone(effect, name, parameter, tru
     for joint in found.joints:
         mean, std, _ = found.parameters[f'{parameter} ({joint})']
         assert abs(mean - truth) < 4.0 * std + 0.1 * truth
+    # What all of them gain is ahead of the next best, which is of another cause.
+    assert found.evidence.next_best not in (None, name)
+    assert 0.0 < found.evidence.margin < found.evidence.gain
     assert diagnosis.after.sum() < diagnosis.before.sum()
     for joint in range(4):
         residual = find_residual(declared_model(), recorded(alone(effect, joint))[:-1])

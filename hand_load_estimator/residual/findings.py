@@ -120,15 +120,15 @@ def _main_joint(finding, joints):
 
 def _evidence(joints, residual, trace, step, again, torque):
     rms = float(np.sqrt(np.mean(torque ** 2, axis=0)).max())
-    # A delay counts with all that is lost without it, as when it was chosen.
-    gain = again.gain if step.chosen.name == LATE else step.chosen.gain
     rival, by_joint = step.next_best, dict.fromkeys(again.touched, 0.0)
     for _, score in again.parts:
         for j, gain in score.by_joint.items():
             by_joint[j] += float(gain)
+    # A delay counts with all that is lost without it, as when it was chosen.
+    chosen = again if step.chosen.name == LATE else step.chosen
     return Evidence(float(again.gain), float(again.std), float(step.needed),
                     residual.observations, trace.trials, rms, rival and rival.name,
-                    rival and float(gain - rival.gain),
+                    rival and float(chosen.gain - rival.gain),
                     {joints[j]: gain for j, gain in by_joint.items()})
 
 
