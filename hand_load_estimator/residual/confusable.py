@@ -124,7 +124,7 @@ def advice(name, others):
 
 
 def named_together(best, other):
-    """Tell whether the lesser of two Candidates is named too, as those of _TOGETHER are if close."""
+    """Tell whether the lesser of two Candidates is named too: of _TOGETHER, if close."""
     pair = frozenset({best.name, other.name})
     # A leaning base is no joint's own; of all others only those of one joint look alike.
     return pair in _TOGETHER and (best.joints == other.joints or 'base_tilt' in pair) \
