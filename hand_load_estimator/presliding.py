@@ -49,10 +49,19 @@ def turned(z, moved, distance, power):
     direction, way = np.sign(moved), np.abs(moved) / distance
     left = np.maximum(1.0 - direction * z, 0.0)
     finite = np.isfinite(power)
-    some = np.where(finite, power, 1.0)
-    root = np.maximum(left ** (1.0 / some) - way / some, 0.0)
-    left = np.where(finite, root ** some, left * np.exp(-way))
+    if finite.all():
+        left = _along_a_power(left, way, power)
+    elif not finite.any():
+        left = left * np.exp(-way)
+    else:
+        left = np.where(finite, _along_a_power(left, way, np.where(finite, power, 1.0)),
+                        left * np.exp(-way))
     return np.where(way > 0.0, direction * (1.0 - left), z)
+
+
+def _along_a_power(left, way, power):
+    """Return what is left of the way to a level, after a way in travels, of a finite power."""
+    return np.maximum(left ** (1.0 / power) - way / power, 0.0) ** power
 
 
 class PreslidingState:

@@ -10,6 +10,7 @@ contacts that bend up to what is left of the Stribeck peak (stribeck_curve.py): 
 comes back as a joint slows down, they have to bend again. Then it is passed through the filter.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -39,6 +40,12 @@ def _filter(count):
     return whole, gains
 
 
+def _filtered(stages, friction, dt):
+    """Return the filter's stages (3, K) dt [s] on, under friction (STEPS + 1, K)."""
+    matrix, gains = _filter(round(dt / ROUNDED))
+    return matrix @ stages + gains @ friction
+
+
 def unfiltered(q, v, a, jerk=None):
     """Return position [rad] and velocity [rad/s] before the filter, of the filtered motion."""
     j = 0.0 if jerk is None else jerk / BANDWIDTH
@@ -57,14 +64,18 @@ class ShownFriction:
     def __init__(self, joints, travels, powers, *peak):
         self._joints, self._travels = np.asarray(joints, dtype=int), travels
         self._powers, self._peak = powers, peak
-        self._anchor = None
+        self._anchor, self._stages = None, np.zeros((3, len(self._joints)))
 
     def update(self, q, v, dt, warmth):
         """Return friction (K,) after dt [s]; q, v (n,): unfiltered; warmth (n,) [K]."""
+        self._stages = _filtered(self._stages, self.bend(q, v, warmth), dt)
+        return self._stages[2]
+
+    def bend(self, q, v, warmth):
+        """Return friction (STEPS + 1, K) as it was and within the sample, before the filter."""
         q, v = q[self._joints], v[self._joints]
         if self._anchor is None:
-            self._anchor, self._speed = q, v
-            self._friction, self._stages = np.zeros(len(q)), np.zeros((3, len(q)))
+            self._anchor, self._speed, self._friction = q, v, np.zeros(len(q))
         moved = q - self._anchor
         counts = np.abs(moved) > DEAD_BAND
         moved = np.where(counts, moved, 0.0)
@@ -73,11 +84,9 @@ class ShownFriction:
             friction = self._bent(moved / STEPS, left(speeds, warmth[self._joints], *self._peak))
         else:
             friction = turned(self._friction, _SHARES * moved, self._travels, self._powers)
-        matrix, gains = _filter(round(dt / ROUNDED))
-        self._stages = matrix @ self._stages + gains @ np.vstack([self._friction, friction])
-        self._anchor = np.where(counts, q, self._anchor)
-        self._friction, self._speed = friction[-1], v
-        return self._stages[2]
+        before, self._friction = self._friction, friction[-1]
+        self._anchor, self._speed = np.where(counts, q, self._anchor), v
+        return np.concatenate([before[None], friction])
 
     def _bent(self, moved, levels):
         """Return friction (STEPS, K) of steps of the same way (K,) under levels (STEPS, K)."""
@@ -114,17 +123,45 @@ class ShownStream:
         return shown
 
 
-def shown_along(q, v, a, dt, warmth, jerk=None):
+@dataclass(frozen=True)
+class ShownAlong:
     """
-    Return shown(joints, travels, powers, *peak) of EffectInput along a motion (N, n).
+    shown(joints, travels, powers, *peak) of EffectInput along recordings, one after the other.
 
-    dt (N,) [s]; warmth (N, n) [K]; arguments as of ShownFriction for (N, K), or plain numbers for
-    (N,).
+    parts: (q, v (N, n) unfiltered, warmth (N, n) [K], dt (N,) [s]) of each. Arguments of a call as
+    of ShownFriction for (N, K), or plain numbers for (N,).
     """
-    raw_q, raw_v = unfiltered(q, v, a, jerk)
 
-    def shown(*places):
-        state = ShownFriction(*np.broadcast_arrays(*map(np.atleast_1d, places)))
-        found = np.array([state.update(*row) for row in zip(raw_q, raw_v, dt.tolist(), warmth)])
+    parts: tuple
+
+    def __call__(self, *places):
+        several = np.broadcast_arrays(*map(np.atleast_1d, places))
+        found = np.concatenate(self._shown(*several))
         return found if any(map(np.ndim, places)) else found[:, 0]
-    return shown
+
+    def _shown(self, joints, *others):
+        """Return friction (N, K) of each part."""
+        count, n = len(self.parts), self.parts[0][0].shape[1]
+        # All parts at once: one step costs about the same for a few places and for many.
+        state = ShownFriction(np.concatenate([joints + k * n for k in range(count)]),
+                              *(np.tile(other, count) for other in others))
+        out = [np.empty((len(dt), len(joints))) for *_, dt in self.parts]
+        stages, times = np.zeros((count, 3, len(joints))), [dt.tolist() for *_, dt in self.parts]
+        for i, row in enumerate(zip(*self._side_by_side())):
+            friction = state.bend(*row).reshape(STEPS + 1, count, len(joints))
+            for k in range(count):
+                if i < len(times[k]):
+                    stages[k] = _filtered(stages[k], friction[:, k], times[k][i])
+                    out[k][i] = stages[k, 2]
+        return out
+
+    def _side_by_side(self):
+        """Return q, v and warmth (N, n of all parts); shorter ones stay where they ended."""
+        longest = max(len(dt) for *_, dt in self.parts)
+        return [np.hstack([np.pad(part[k], ((0, longest - len(part[k])), (0, 0)), 'edge')
+                           for part in self.parts]) for k in range(3)]
+
+
+def shown_along(q, v, a, dt, warmth, jerk=None):
+    """Return ShownAlong one motion (N, n) behind the filter; dt (N,) [s]; warmth (N, n) [K]."""
+    return ShownAlong(((*unfiltered(q, v, a, jerk), warmth, dt),))

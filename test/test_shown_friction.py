@@ -12,7 +12,8 @@ from hand_load_estimator.model_file import read_model, write_model
 from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.presliding import presliding_path, turned
-from hand_load_estimator.shown_friction import shown_along, ShownStream, unfiltered
+from hand_load_estimator.shown_friction import (shown_along, ShownAlong, ShownStream,
+                                                unfiltered)
 from hand_load_estimator.stribeck_curve import left
 from hand_load_estimator.torque_columns import motion_input, torque_columns
 
@@ -98,6 +99,16 @@ def test_a_stream_is_as_the_whole(swing):
     np.testing.assert_array_equal(one(*places), one(*places), 'asked twice it goes on once')
     stream.restart()
     assert np.abs(stream.at(*first)(*places)).max() == 0.0
+
+
+def test_recordings_beside_one_another_are_as_each_alone(swing):
+    *motion, _ = swing
+    parts = [tuple(column[rows] for column in motion) for rows in (slice(90), slice(40, None))]
+    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), POWER, VELOCITY
+    each = [shown_along(*part) for part in parts]
+    together = ShownAlong(tuple(own for one in each for own in one.parts))
+    np.testing.assert_array_equal(together(*places), np.concatenate([s(*places) for s in each]))
+    assert len(together(0, TRAVEL, np.inf)) == sum(len(part[0]) for part in parts)
 
 
 @pytest.mark.parametrize('name, values', [('stribeck_friction', (3.0, 0.01)),

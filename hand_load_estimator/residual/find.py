@@ -11,6 +11,7 @@ from ..filtered_noise import noise_floor, white_density
 from ..lateness import as_reported, change_when_late, lateness
 from ..motion import smeared
 from ..presliding import presliding_path, stuck_density
+from ..shown_friction import ShownAlong
 from ..sliding import surely_slides
 from ..torque_columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
                               torque_columns)
@@ -167,7 +168,7 @@ def _joined_input(parts):
     play = parts[0].play and (lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
-        play=play, shown=lambda *places: np.concatenate([p.shown(*places) for p in parts]))
+        play=play, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts)))
 
 
 def _doubt(model, root, columns, x, temperature):
