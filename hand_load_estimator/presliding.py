@@ -103,8 +103,9 @@ class PreslidingState:
         moves = (np.abs(v) >= REST_SPEED) & (np.abs(q - self._rests_at) > MOVED)
         self._rests_at = np.where(moves, q, self._rests_at)
         self._resting = np.where(moves, 0.0, self._resting + dt)
-        self.doubt = np.where(self._resting > REST_TIME, doubt_after(self._resting),
-                              np.minimum(self.doubt, 1.0) * decay)
+        self.doubt, rests = np.minimum(self.doubt, 1.0) * decay, self._resting > REST_TIME
+        if rests.any():
+            self.doubt = np.where(rests, doubt_after(self._resting), self.doubt)
         return self.z, self.doubt
 
 

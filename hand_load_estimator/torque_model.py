@@ -137,10 +137,14 @@ class TorqueModel:
 
         temperature (n,) [degC] or None for the reference.
         """
-        sign = np.sign(v)
-        warmth = self._warmth(temperature)
-        x = EffectInput(*(s[None] for s in (q, v, a, warmth, sign)))
-        return torque_columns(self.robot, self.layout, x, self.mean)[0] @ self.mean
+        rows = (row if row is None else np.asarray(row)[None] for row in (q, v, a, temperature))
+        return self.torques(*rows)[0]
+
+    def torques(self, q, v, a, temperature=None):
+        """Return `torque` (N, n) of motions (N, n), each by itself."""
+        warmth = np.broadcast_to(self._warmth(temperature), q.shape)
+        x = EffectInput(q, v, a, warmth, np.sign(v))
+        return torque_columns(self.robot, self.layout, x, self.mean) @ self.mean
 
     def load_regressor(self, q, v, a):
         """Return K (n, 10) in the load frame (eq. 10)."""

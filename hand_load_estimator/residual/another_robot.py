@@ -60,8 +60,7 @@ class _Rows:
             np.concatenate([getattr(e.motion, name) for e in parts])[some]
             for name in ('q', 'v', 'a', 'temperature'))
         self._measured = np.concatenate([e.torque for e in parts])[some]
-        self._modelled = np.array([model.torque(*row) for row in
-                                   zip(self._q, self._v, self._a, warmth)])
+        self._modelled = model.torques(self._q, self._v, self._a, warmth)
 
     @cached_property
     def _links(self):

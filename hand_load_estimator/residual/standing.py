@@ -120,6 +120,5 @@ class Standing:
 
 def _at_rest(model, motion):
     """Return the torque (N, n) [Nm] of a model that stands, without friction."""
-    still = np.zeros(model.robot.n)
-    return np.array([model.torque(q, still, still, warm)
-                     for q, warm in zip(motion.q, motion.temperature)])
+    still = np.zeros(motion.q.shape)
+    return model.torques(motion.q, still, still, motion.temperature)

@@ -5,6 +5,8 @@ A cable in another socket, a sign in a driver's settings, a sensor that tells no
 explained by a gain or an offset that no drive has, and would be written into the model.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 # Rows looked at: what is wrong here is wrong all the time.
@@ -115,14 +117,21 @@ class _Rows:
         n = self._model.robot.n
         signs = np.ones(n) if signs is None else signs
         order = np.arange(n) if order is None else order
-        motion, reported = self._motion, self._reported[:, order]
+        reported = self._reported[:, order]
         if only_efforts:
-            reported = reported * signs
-        else:
-            motion = [(values * signs)[:, order] for values in motion]
-        modelled = np.array([self._model.torque(*row)
-                             for row in zip(*motion, self._temperature)])
-        return reported * self._constants - self._taken_off(motion), modelled
+            taken_off, modelled = self._as_told
+            return reported * signs * self._constants - taken_off, modelled
+        motion = [(values * signs)[:, order] for values in self._motion]
+        taken_off, modelled = self._of_motion(motion)
+        return reported * self._constants - taken_off, modelled
+
+    @cached_property
+    def _as_told(self):
+        return self._of_motion(self._motion)
+
+    def _of_motion(self, motion):
+        """Return torques (M, n): what is taken off what efforts say, and modelled."""
+        return self._taken_off(motion), self._model.torques(*motion, self._temperature)
 
     def _taken_off(self, motion):
         """Return the torque (M, n) that is taken off what the efforts say, at this motion."""
