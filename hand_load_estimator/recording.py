@@ -10,8 +10,8 @@ from rosbags.rosbag2 import (CompressionFormat, CompressionMode, Reader, Storage
 from rosbags.typesys import get_typestore, Stores
 
 from .errors import RecordingError
+from .files.load_file import read_load_file
 from .load import LoadParameters
-from .load_file import read_load_file
 
 JOINT_STATES = 'joint_states'
 TEMPERATURES = 'joint_temperatures'

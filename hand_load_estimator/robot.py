@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio as pin
 
 from .errors import ConfigurationError
+from .files.robot_file import JointLimits, parse_robot, read_robot_file
 from .load import products_transform
-from .robot_file import JointLimits, parse_robot, read_robot_file
 
 
 def _with_angles(urdf):

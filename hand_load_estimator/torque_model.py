@@ -12,7 +12,7 @@ import numpy as np
 
 from .effects import EffectInput, LATE
 from .robot import Robot
-from .torque_columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
+from .torque.columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
                              torque_columns, warmth_of)
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.

@@ -8,12 +8,12 @@ import numpy as np
 from sensor_msgs.msg import JointState, Temperature
 from std_srvs.srv import Trigger
 
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.nodes.stamps import time_message
 from hand_load_estimator.plant import Plant
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
-from hand_load_estimator.shared_files import find_shared
 
 RATE = 250.0
 START = [0.0, -1.2, 1.5, -0.5, -1.0, 0.3]

@@ -9,7 +9,7 @@ os.environ.setdefault('OMP_NUM_THREADS', '1')
 import pytest  # noqa: E402
 from ros_helpers import Listener, NodeProcess  # noqa: E402
 
-from hand_load_estimator.own_domain import free_domain  # noqa: E402
+from hand_load_estimator.simulation.own_domain import free_domain
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ import numpy as np
 import pinocchio as pin
 
 from hand_load_estimator.control.load_belief import belief_of_estimate
+from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.motions.trajectory import Trajectory
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.torque_columns import ColumnLayout
-from hand_load_estimator.trajectory import Trajectory
+from hand_load_estimator.torque.columns import ColumnLayout
 
 HOME = np.array([0.0, -1.8, 2.5, -2.27, -1.57, 0.0])
 PICK = np.array([0.7, -1.25, 2.2, -2.52, -1.57, 0.7])

@@ -14,14 +14,14 @@ from hand_load_estimator.effects import EffectInput
 from hand_load_estimator.estimators.bayes import Bayes
 from hand_load_estimator.estimators.build import determined_std
 from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.model_follower import ModelFollower
-from hand_load_estimator.presliding import presliding_path
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
-from hand_load_estimator.recording_mark import RecordingMark
 from hand_load_estimator.robot import robot_from_content
-from hand_load_estimator.torque_columns import (EffectUse, effect_slices, parameter_count,
+from hand_load_estimator.torque.columns import (EffectUse, effect_slices, parameter_count,
                                                 torque_columns, warmth_of)
+from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.presliding import presliding_path
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 EFFECTS = ('rotor_inertia', 'coulomb_friction', 'viscous_friction', 'presliding_hysteresis',

@@ -7,9 +7,9 @@ from core_helpers import block, exact_model, messages, recording_of
 import numpy as np
 
 from hand_load_estimator.cli import main
+from hand_load_estimator.files.load_file import write_load_file
+from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.load_file import write_load_file
-from hand_load_estimator.model_file import write_model
 from hand_load_estimator.recording import JointSample, RecordingWriter
 
 EMPTY, LOAD = LoadParameters(), block(2.0)

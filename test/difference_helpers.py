@@ -6,10 +6,10 @@ from functools import lru_cache
 from core_helpers import block, exact_model, messages, recording_of
 import numpy as np
 
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.learning.difference_data import difference_data
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.stream.joint_stream import motion_of
 
 NOTHING = LoadParameters()
 

@@ -13,7 +13,7 @@ from hand_load_estimator.learning.direct_artefact import (read_direct_artefact,
 from hand_load_estimator.learning.direct_calibration import RANGES
 from hand_load_estimator.learning.direct_design import Design, design_for
 from hand_load_estimator.learning.direct_network import build_network, inputs_of
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 
 def design_of(robot, network='gru', **changes):

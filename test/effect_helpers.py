@@ -4,12 +4,12 @@ from core_helpers import effect_uses, message_noise, true_parameters
 import numpy as np
 
 from hand_load_estimator.effects import EFFECTS, EffectInput
+from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.motion import Motion
-from hand_load_estimator.lateness import lateness
-from hand_load_estimator.play import play_along
-from hand_load_estimator.recording_mark import RecordingMark
-from hand_load_estimator.shown_friction import shown_along
-from hand_load_estimator.torque_columns import effect_slices, EffectUse, parameter_count
+from hand_load_estimator.torque.columns import effect_slices, EffectUse, parameter_count
+from hand_load_estimator.torque.lateness import lateness
+from hand_load_estimator.torque.play import play_along
+from hand_load_estimator.torque.shown_friction import shown_along
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 DT = 0.02

@@ -5,7 +5,7 @@ from difference_helpers import model
 
 from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.pipeline import Pipeline
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 LOAD = block(2.0)
 

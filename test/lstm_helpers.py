@@ -10,7 +10,7 @@ from hand_load_estimator.learning.artefact import arm_of, read_artefact, write_a
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 HIDDEN = 12
 NEUTRAL = np.ones((10, len(LEVELS)))

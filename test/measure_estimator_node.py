@@ -31,7 +31,7 @@ from hand_load_estimator.motion import BLOCK
 from hand_load_estimator.nodes.draining import subscribe_draining
 from hand_load_estimator.nodes.qos import OUTPUT, measurement
 from hand_load_estimator.nodes.runner import EventsExecutor, run_node
-from hand_load_estimator.own_domain import free_domain
+from hand_load_estimator.simulation.own_domain import free_domain
 
 _LISTEN = 'estimator/load'
 

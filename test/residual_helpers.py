@@ -7,13 +7,13 @@ from core_helpers import effect_uses, four_axes, true_parameters
 from effect_helpers import DT, waves
 import numpy as np
 
-from hand_load_estimator.evidence import Evidence
-from hand_load_estimator.presliding import presliding_path
-from hand_load_estimator.recording_mark import RecordingMark
+from hand_load_estimator.files.recording_mark import RecordingMark
+from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED
-from hand_load_estimator.torque_columns import (ColumnLayout, motion_input, play_columns,
+from hand_load_estimator.torque.columns import (ColumnLayout, motion_input, play_columns,
                                                 presliding_distances, torque_columns)
+from hand_load_estimator.torque.presliding import presliding_path
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 RUNS, SECONDS = 4, 16.0

@@ -8,10 +8,10 @@ import pytest
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.plant import JointEvent, TemperatureEvent
 from hand_load_estimator.recording import JointSample
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
 
 
 def test_a_case_belongs_to_its_seed_and_is_a_body():

@@ -8,11 +8,11 @@ from hand_load_estimator.benchmark.contestants import Contestant
 from hand_load_estimator.benchmark.rivals import FixedLoad, LeastSquares
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.method import Belief
-from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.identification.identify import nominal_model
 from hand_load_estimator.load import (message_from_products, products_from_shape,
                                       products_jacobian_of_shape)
-from hand_load_estimator.model_follower import Prediction
 from hand_load_estimator.motion import MotionSample
+from hand_load_estimator.torque.model_follower import Prediction
 
 
 def test_recursive_least_squares_is_the_batch_solution():

@@ -16,7 +16,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning.difference_artefact import PREDICTORS
 from hand_load_estimator.motion import MotionSample
 from hand_load_estimator.plant import JointEvent
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
 
 
 def test_the_first_sample_is_no_running_cost():

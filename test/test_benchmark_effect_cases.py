@@ -16,11 +16,11 @@ from hand_load_estimator.benchmark.effect_truth import (COMPARABLE, IN_REPORT_ON
                                                         stated, true_change)
 from hand_load_estimator.benchmark.suites import cases_of, SUITES
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant.hidden import EFFECTS
-from hand_load_estimator.presliding import turned
+from hand_load_estimator.stream.joint_stream import motion_of
+from hand_load_estimator.torque.presliding import turned
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 JOINT = 'elbow_joint'

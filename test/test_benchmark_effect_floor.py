@@ -8,7 +8,7 @@ from hand_load_estimator.benchmark import effect_recordings
 from hand_load_estimator.benchmark.cases import identification_evidence
 from hand_load_estimator.benchmark.effect_errors import rms, torque_rmse
 from hand_load_estimator.benchmark.effect_floor import FORGOTTEN
-from hand_load_estimator.identification import identify
+from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.plant.effects_file import parse_effects
 
 PLANT = 595

@@ -18,7 +18,7 @@ from hand_load_estimator.benchmark.effect_page import effects_markdown
 from hand_load_estimator.benchmark.effect_recordings import Recordings, without_temperatures
 from hand_load_estimator.benchmark.effect_scores import effect_rows
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.identification import identify
+from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Diagnosis, Evidence, Finding
 
 

@@ -9,7 +9,7 @@ import pytest
 from hand_load_estimator import cli
 from hand_load_estimator.benchmark import effect_run, joined, offline, run
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.shared_files import share_folder
+from hand_load_estimator.files.shared_files import share_folder
 
 
 def test_names_of_suites():

@@ -11,14 +11,14 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import retraining
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.effect_cases import EffectCase, SINGLE
-from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.effect_measure import Prepared
 from hand_load_estimator.benchmark.effect_recordings import NewArm, Recordings
+from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.other_pages import retraining_blocks
+from hand_load_estimator.files.model_file import read_model
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.artefact import CARD, WEIGHTS
 from hand_load_estimator.learning.training import Recipe
-from hand_load_estimator.model_file import read_model
-from hand_load_estimator.shared_files import find_shared
 
 PLANT = seeds.DEVELOPMENT_PLANTS[45]
 

@@ -10,9 +10,9 @@ from hand_load_estimator.benchmark.suites import (cases_of, recorded_words, SUIT
                                                   UNDECLARED)
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.plant.hidden import EFFECTS
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 CASES = seeds.DEVELOPMENT_CASES[900:940]
@@ -153,7 +153,7 @@ def test_an_arms_file_is_the_draft_filled_in(tmp_path, monkeypatch):
 @pytest.mark.parametrize('name', arms.ARMS)
 def test_the_extra_arms_can_be_simulated(name, tmp_path):
     from hand_load_estimator.benchmark.cases import simulated
-    from hand_load_estimator.simulate_motions import named_motion
+    from hand_load_estimator.simulation.simulate_motions import named_motion
     try:
         urdf = arms.urdf_of(arms.ARMS[name])
     except ConfigurationError:

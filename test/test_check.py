@@ -5,17 +5,17 @@ import json
 import os
 from pathlib import Path
 
+from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.cli import main
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.files.robot_file import parse_robot
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.recording import (JointSample, Recording, RecordingWriter,
                                            TemperatureSample)
-from hand_load_estimator.recording_check import check_recording
 from hand_load_estimator.robot import load_robot, Robot
-from hand_load_estimator.robot_file import parse_robot
-from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
+from hand_load_estimator.stream.joint_stream import motion_of
 import numpy as np
 import pinocchio as pin
 import pytest

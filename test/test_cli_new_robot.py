@@ -4,8 +4,8 @@ import re
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.files.robot_draft import read_chain, TO_COMPLETE
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.robot_draft import read_chain, TO_COMPLETE
 import pytest
 
 LINK = ('<link name="{0}"><inertial><mass value="{1}"/><origin xyz="0.1 0 0"/>'

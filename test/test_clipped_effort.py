@@ -6,11 +6,11 @@ from core_helpers import block, EFFECTS, exact_model, messages, recording_of
 import numpy as np
 import pytest
 
-from hand_load_estimator.clipped_effort import clipped_efforts, clipped_rows, MEMORY
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.identification import identify
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.clipped_effort import clipped_efforts, clipped_rows, MEMORY
+from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.stream.joint_stream import motion_of
 
 JOINT = 1
 

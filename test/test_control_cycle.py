@@ -7,7 +7,7 @@ import numpy as np
 from supervisor_helpers import Cell, MODEL, TICK, WAYPOINTS
 
 from hand_load_estimator.control.supervisor import CycleSettings
-from hand_load_estimator.trajectory import Trajectory
+from hand_load_estimator.motions.trajectory import Trajectory
 
 
 def test_one_cycle_goes_through_its_phases_and_ends():

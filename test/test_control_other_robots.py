@@ -6,7 +6,7 @@ import pytest
 from hand_load_estimator.control.acceleration_limits import MovePlanner
 from hand_load_estimator.control.collision_threshold import CollisionThresholds
 from hand_load_estimator.control.load_belief import belief_of_estimate, rated_belief
-from hand_load_estimator.identification import nominal_model
+from hand_load_estimator.identification.identify import nominal_model
 from hand_load_estimator.robot import robot_from_content
 
 LINK = ('<link name="l{i}"><inertial><origin xyz="0 0 0.15"/><mass value="{m}"/>'

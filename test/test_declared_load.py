@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from hand_load_estimator.checks.declared_load import another_load
+from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.cli import main
-from hand_load_estimator.declared_load import another_load
+from hand_load_estimator.files.load_file import write_load_file
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.load_file import write_load_file
 from hand_load_estimator.recording import read_recording
-from hand_load_estimator.recording_check import check_recording
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', Path(__file__).parents[2] / 'shared' / 'data'))
 LOAD = LoadParameters(2.5, [0.0, 0.02, 0.08])

@@ -12,12 +12,12 @@ import pytest
 from matplotlib.image import imread
 from ros_helpers import node_environment
 
-from hand_load_estimator.demo import DemoError, DemoSettings, NodeProcesses, draw_load
-from hand_load_estimator.demo_table import LiveTable, plain_line, table_lines
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.report.demo_figure import draw_demo
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.simulation.demo import DemoError, DemoSettings, NodeProcesses, draw_load
+from hand_load_estimator.simulation.demo_table import LiveTable, plain_line, table_lines
 
 RATED = LoadParameters(10.0, [0.0, 0.0, 0.1], 0.1 * np.eye(3))
 

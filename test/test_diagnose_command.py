@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.cli import main
+from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.learning import shards, training
 from hand_load_estimator.learning.artefact import arm_of, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
-from hand_load_estimator.model_file import read_model
 from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual import load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis

@@ -12,8 +12,8 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.difference_function import DifferenceFunction
 from hand_load_estimator.estimators.inducing_points import InducingPoints
 from hand_load_estimator.estimators.network_draws import NetworkDraws
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import JointStream, motion_of
+from hand_load_estimator.files.model_file import model_digest, read_model, write_model
+from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.learning import (bayesian_network, distilled_network, neural_process,
                                           torque_gp)
 from hand_load_estimator.learning.difference_artefact import CARD, read_difference, WEIGHTS
@@ -21,8 +21,8 @@ from hand_load_estimator.learning.difference_data import difference_data
 from hand_load_estimator.learning.difference_inputs import (difference_inputs, input_width, INPUTS,
                                                             parse_inputs)
 from hand_load_estimator.learning.learn_difference import learn_difference
-from hand_load_estimator.model_file import model_digest, read_model, write_model
-from hand_load_estimator.model_follower import ModelFollower, Prediction
+from hand_load_estimator.stream.joint_stream import JointStream, motion_of
+from hand_load_estimator.torque.model_follower import ModelFollower, Prediction
 
 
 @pytest.fixture(scope='module')

@@ -11,6 +11,7 @@ import torch
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.direct_artefact import read_direct_artefact
 from hand_load_estimator.learning.direct_calibration import (calibrate_direct, calibrated,
                                                              factors_of)
@@ -21,7 +22,6 @@ from hand_load_estimator.learning.direct_training import DirectRecipe, Loss
 from hand_load_estimator.learning.sequences import SequenceMaker
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
 
 RECURRENT = ('lstm_direct', 'gru', 'elman', 'jordan')
 

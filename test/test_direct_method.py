@@ -14,7 +14,7 @@ from hand_load_estimator.estimators.build import build_method, shipped_artefact
 from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.learning.direct_artefact import read_direct_artefact
 from hand_load_estimator.learning.direct_network import inputs_of
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 
 @pytest.fixture(scope='module')

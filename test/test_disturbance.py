@@ -9,7 +9,7 @@ import pytest
 from residual_helpers import (assert_repaired, cable, declared_model, diagnosed, noise_of, on,
                               recorded, ripple)
 
-from hand_load_estimator.evidence import recording_numbers
+from hand_load_estimator.identification.evidence import recording_numbers
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page

@@ -10,10 +10,10 @@ import pytest
 
 from hand_load_estimator import effects
 from hand_load_estimator.effects import DESCRIBED, EFFECTS, EffectInput
-from hand_load_estimator.lateness import lateness
-from hand_load_estimator.play import play_along
-from hand_load_estimator.torque_columns import (ColumnLayout, effect_slices, EffectUse,
+from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, EffectUse,
                                                 parameter_count, torque_columns)
+from hand_load_estimator.torque.lateness import lateness
+from hand_load_estimator.torque.play import play_along
 
 ALWAYS = ('q', 'v', 'a', 'warmth', 'z')
 

@@ -11,15 +11,15 @@ import pytest
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.estimators.rest_watch import (ANOTHER_LOAD, MARGIN, NOTHING,
                                                         RestWatch)
-from hand_load_estimator.evidence import Evidence
-from hand_load_estimator.lateness import as_reported
+from hand_load_estimator.identification.evidence import Evidence
+from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import Motion, MotionFilter
-from hand_load_estimator.regression_system import System
-from hand_load_estimator.shown_links import shown_links
-from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, motion_input,
+from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, motion_input,
                                                 parameter_count, torque_columns)
+from hand_load_estimator.torque.lateness import as_reported
+from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.shown_links import shown_links
 from hand_load_estimator.torque_model import _write_delays, drift_std, uncertain_directions
 
 LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))

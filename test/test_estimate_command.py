@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.cli import main
-from hand_load_estimator.estimation import estimate_recording
-from hand_load_estimator.load_file import write_load_file
-from hand_load_estimator.model_file import write_model
+from hand_load_estimator.estimators.estimation import estimate_recording
+from hand_load_estimator.files.load_file import write_load_file
+from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.recording import RecordingWriter
 
 LOAD = block(2.0)

@@ -2,15 +2,15 @@
 
 import re
 
-from hand_load_estimator import excitation
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.excitation import make_box, Search
-from hand_load_estimator.excitation_limits import check_centre, choose_centre, Clearance
+from hand_load_estimator.files.robot_file import parse_robot
+from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.motions import excitation
+from hand_load_estimator.motions.excitation import make_box, Search
+from hand_load_estimator.motions.excitation_limits import check_centre, choose_centre, Clearance
+from hand_load_estimator.motions.trajectory import read_trajectory_csv
 from hand_load_estimator.robot import load_robot, Robot
-from hand_load_estimator.robot_file import parse_robot
-from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.trajectory import read_trajectory_csv
 import numpy as np
 import pinocchio as pin
 import pytest

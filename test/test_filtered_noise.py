@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from hand_load_estimator.filtered_noise import noise_floor, white_density
 from hand_load_estimator.motion import Motion, MotionFilter
+from hand_load_estimator.torque.filtered_noise import noise_floor, white_density
 
 STD, JOINTS, SECONDS = 1.2, 40, 12.0   # of one reported torque [Nm]
 RATES = [30, 75, 94, 125, 500, 1000]   # [Hz]

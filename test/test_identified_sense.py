@@ -7,8 +7,8 @@ import pytest
 from residual_helpers import constant_friction, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.identification import identify
-from hand_load_estimator.identified_sense import nonsense, refuse_nonsense
+from hand_load_estimator.identification.identified_sense import nonsense, refuse_nonsense
+from hand_load_estimator.identification.identify import identify
 
 EFFECTS = ('link_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offset')
 

@@ -14,9 +14,10 @@ ROS = {'rclpy', 'rosgraph_msgs', 'builtin_interfaces', 'rcl_interfaces', 'std_ms
        'sensor_msgs', 'geometry_msgs', 'trajectory_msgs', 'diagnostic_msgs', 'control_msgs',
        'visualization_msgs'}
 # What plant/ may know of the package: the load, the robot, and how files and errors are told.
-KNOWN_TO_PLANT = {'load', 'load_file', 'robot', 'robot_file', 'configuration', 'errors'}
-USERS_OF_PLANT = ('plant/', 'benchmark/', 'nodes/simulator', 'simulate', 'commands/simulate',
-                  'commands/benchmark')
+KNOWN_TO_PLANT = {'load', 'files/load_file', 'robot', 'files/robot_file', 'files/configuration',
+                  'errors'}
+USERS_OF_PLANT = ('plant/', 'benchmark/', 'nodes/simulator', 'simulation/simulate',
+                  'commands/simulate', 'commands/benchmark')
 
 
 def module_of(path):
@@ -105,8 +106,8 @@ def test_plant_knows_only_load_and_robot():
     for name in SOURCES:
         if not room(name).startswith('plant/'):
             continue
-        own = {f.split('.')[1] for f in IMPORTS[name]
-               if f.startswith(f'{PACKAGE}.') and not f.startswith(f'{PACKAGE}.plant')}
+        own = {room(f) for f in IMPORTS[name] if f in SOURCES and not room(f).startswith('plant/')}
+        own -= {'__init__'}
         assert own <= KNOWN_TO_PLANT, name
 
 

@@ -10,8 +10,8 @@ from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.estimators.impossible_mass import impossible_mass
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.pipeline import TareError
-from hand_load_estimator.load_file import write_load_file
-from hand_load_estimator.model_file import write_model
+from hand_load_estimator.files.load_file import write_load_file
+from hand_load_estimator.files.model_file import write_model
 
 EMPTY = block(1e-6)
 

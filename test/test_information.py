@@ -13,8 +13,8 @@ from hand_load_estimator.estimators.information import (Information, message_cov
 from hand_load_estimator.estimators.load_prior import load_prior, LoadPrior
 from hand_load_estimator.load import (message_from_shape, products_from_shape,
                                       products_jacobian_of_shape)
-from hand_load_estimator.model_follower import Prediction
 from hand_load_estimator.motion import MotionSample
+from hand_load_estimator.torque.model_follower import Prediction
 
 ROBOT = ur10e()
 SIGMA = 0.3  # [Nm]

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hand_load_estimator.input_guard import InputGuard
-from hand_load_estimator.joint_stream import JointStream
+from hand_load_estimator.stream.input_guard import InputGuard
+from hand_load_estimator.stream.joint_stream import JointStream
 
 JOINTS = ('pan', 'lift', 'roll')
 Q, V, TAU = [0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [10.0, 20.0, 30.0]

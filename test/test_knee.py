@@ -11,14 +11,14 @@ import yaml
 
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.effects.knee import shows
-from hand_load_estimator.evidence import Evidence
-from hand_load_estimator.identification import identify
-from hand_load_estimator.knee_fit import with_knees_fitted
-from hand_load_estimator.model_file import read_model, write_model
-from hand_load_estimator.recording_mark import RecordingMark
-from hand_load_estimator.regression_system import System
+from hand_load_estimator.files.model_file import read_model, write_model
+from hand_load_estimator.files.recording_mark import RecordingMark
+from hand_load_estimator.identification.evidence import Evidence
+from hand_load_estimator.identification.identify import identify
+from hand_load_estimator.identification.knee_fit import with_knees_fitted
+from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.torque_columns import (ColumnLayout, EffectUse, effect_slices,
+from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, effect_slices,
                                                 motion_input, parameter_count,
                                                 presliding_distances, torque_columns)
 from hand_load_estimator.torque_model import Residuals, TorqueModel

@@ -10,8 +10,8 @@ import pytest
 from residual_helpers import declared_model, on, recorded, ripple, viscous
 from test_disturbance import pushed
 
-from hand_load_estimator.model_file import read_model, write_model
-from hand_load_estimator.recording_mark import content_of, message_digests, RecordingMark
+from hand_load_estimator.files.model_file import read_model, write_model
+from hand_load_estimator.files.recording_mark import content_of, message_digests, RecordingMark
 from hand_load_estimator.recording import read_recording
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page

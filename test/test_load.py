@@ -7,12 +7,12 @@ from plant_helpers import ur10e
 import pytest
 
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.files.load_file import load_of_argument, read_load_file, write_load_file
 from hand_load_estimator.load import (LoadEstimate, LoadParameters, message_from_products,
                                       message_from_shape, message_jacobian_of_shape,
                                       products_from_message, products_from_shape,
                                       products_jacobian_of_message, products_jacobian_of_shape,
                                       products_transform, pseudo_inertia, together)
-from hand_load_estimator.load_file import load_of_argument, read_load_file, write_load_file
 
 ROBOTS = {'ur10e': ur10e, 'four axes': four_axes}
 

@@ -5,11 +5,11 @@ from effect_helpers import waves
 import numpy as np
 import pytest
 
-from hand_load_estimator import load_agreement
-from hand_load_estimator.evidence import Evidence
-from hand_load_estimator.load_agreement import (LeftOut, share_left_out, share_of, slices_of,
-                                                Window)
-from hand_load_estimator.regression_system import System
+from hand_load_estimator.identification import load_agreement
+from hand_load_estimator.identification.evidence import Evidence
+from hand_load_estimator.identification.load_agreement import (LeftOut, share_left_out, share_of,
+                                                               slices_of, Window)
+from hand_load_estimator.identification.regression_system import System
 
 N, JOINTS, DT = 250, 4, 0.02
 DENSITY = np.array([0.04, 0.02, 0.01, 0.01])

@@ -10,7 +10,7 @@ import pytest
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method
 from hand_load_estimator.learning.artefact import read_artefact
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 
 @pytest.fixture(scope='module')

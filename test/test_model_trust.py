@@ -10,15 +10,15 @@ from hand_load_estimator.estimators import model_trust
 from hand_load_estimator.estimators.build import build_method, determined_std
 from hand_load_estimator.estimators.change import PIECE
 from hand_load_estimator.estimators.information import Information, posterior_of
-from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.innovation_scale import InnovationScale
+from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.model_trust import MISFIT, ModelTrust, WINDOWS
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.regression import LoadRegression
 from hand_load_estimator.estimators.weighting import joined_columns
-from hand_load_estimator.joint_stream import JointStream
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.model_follower import ModelFollower
+from hand_load_estimator.stream.joint_stream import JointStream
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 N, R, ROWS = 6, 8, 10   # joints, nuisances, samples of a piece
 MODEL = exact_model('ur10e')

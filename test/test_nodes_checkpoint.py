@@ -16,13 +16,13 @@ from trajectory_msgs.msg import JointTrajectory
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.estimators.checkpoint import belongs_to, write_checkpoint
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.nodes.checkpoint_keeper import CheckpointKeeper
 from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.qos import LATCHED
 from hand_load_estimator.plant import Plant
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
-from hand_load_estimator.shared_files import find_shared
 
 
 @lru_cache(None)

@@ -6,9 +6,9 @@ from control_helpers import covariance_of, load_vector
 import numpy as np
 import pytest
 
+from hand_load_estimator.motions.trajectory import Trajectory
 from hand_load_estimator.nodes.controller_messages import limits_message, trajectory_message
 from hand_load_estimator.nodes.load_pairing import LoadPairing
-from hand_load_estimator.trajectory import Trajectory
 
 
 def test_mean_and_covariance_of_one_estimate_are_paired_in_any_order():

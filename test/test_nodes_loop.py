@@ -12,11 +12,11 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 from ros_helpers import CONTROLLER_YAML
 
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.nodes.estimate_messages import vector_of_inertia
 from hand_load_estimator.nodes.qos import LATCHED, OUTPUT
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
 
 LOAD = [3.5, 0.02, -0.03, 0.12, 0.02, 0.0, 0.0, 0.02, 0.0, 0.01]
 TOPICS = {'load': ('estimator/load', InertiaStamped, OUTPUT),

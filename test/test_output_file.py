@@ -4,7 +4,7 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.output_file import output_file, output_folder
+from hand_load_estimator.files.output_file import output_file, output_folder
 
 
 def test_a_place_that_is_there_is_taken(tmp_path):

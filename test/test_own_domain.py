@@ -4,9 +4,9 @@ import os
 
 import pytest
 
-from hand_load_estimator import own_domain as module
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.own_domain import free_domain, own_domain
+from hand_load_estimator.simulation import own_domain as module
+from hand_load_estimator.simulation.own_domain import free_domain, own_domain
 
 
 def test_two_at_a_time_get_two_domains():

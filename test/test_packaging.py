@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 from test_imports import IMPORTS, PACKAGE, ROS
 
 from hand_load_estimator.nodes.qos import OUTPUT, measurement
-from hand_load_estimator.own_domain import free_domain
+from hand_load_estimator.simulation.own_domain import free_domain
 
 EXECUTABLES = ('simulator_node', 'estimator_node', 'controller_node', 'hand_load')
 # Import name -> rosdep key, where they differ.
@@ -99,7 +99,7 @@ def test_colcon_installs_executables_marker_and_shared_files(workspace):
 @pytest.mark.parametrize('prefix', ['workspace', 'pip_prefix'])
 def test_installed_code_finds_its_shared_files(prefix, request):
     prefix = request.getfixturevalue(prefix)
-    code = ('import hand_load_estimator as h; from hand_load_estimator.shared_files import '
+    code = ('import hand_load_estimator as h; from hand_load_estimator.files.shared_files import '
             'find_shared; print(h.__file__); print(find_shared("ur10e", "robots"))')
     said = subprocess.run(
         [sys.executable, '-c', code], text=True, capture_output=True, cwd='/', check=True,

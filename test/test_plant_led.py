@@ -7,7 +7,7 @@ import pytest
 from hand_load_estimator.plant import Plant
 from hand_load_estimator.plant.effects_file import parse_effects
 from hand_load_estimator.plant.led_plant import LedPlant
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
 
 
 def follow(robot, entries, seconds=4.0, name='pick_place', **arguments):

@@ -1,9 +1,9 @@
 """Trajectories are taken, interpolated and refused as ros2_control's controller does."""
 
+from hand_load_estimator.motions.trajectory import Trajectory
 from hand_load_estimator.plant import Plant, TrajectoryError
 from hand_load_estimator.plant.setpoint import Setpoint
 from hand_load_estimator.robot import robot_from_content
-from hand_load_estimator.trajectory import Trajectory
 import numpy as np
 from plant_helpers import chain, ur10e
 import pytest

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hand_load_estimator.play import crossing_inertia, FILTER_DELAY, play_along, PlayState
+from hand_load_estimator.torque.play import crossing_inertia, FILTER_DELAY, play_along, PlayState
 
 DT, INERTIA = 0.02, 4.0
 FINE = 0.004  # [s] sums over samples are integrals there

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.motion import MotionFilter
-from hand_load_estimator.presliding import (presliding_path, PreslidingState, REST_TIME,
-                                            stuck_density, turned)
+from hand_load_estimator.torque.presliding import (presliding_path, PreslidingState, REST_TIME,
+                                                   stuck_density, turned)
 
 S = 1e-3
 

@@ -11,13 +11,13 @@ from ros_helpers import ROOT
 
 from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
 from hand_load_estimator.benchmark.real_sets import SETS, stage
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.identification import identify
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual.wrong_joint import wrong_joint
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
+from hand_load_estimator.stream.joint_stream import motion_of
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
 ANGLES, EFFORT = ('q', 'v', 'a'), ('effort',)

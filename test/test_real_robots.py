@@ -18,13 +18,13 @@ from real_recordings.table import HEAD, table  # noqa: E402
 
 from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file  # noqa: E402
 from hand_load_estimator.benchmark.real_sets import cut, SETS, stage  # noqa: E402
+from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.cli import main  # noqa: E402
 from hand_load_estimator.errors import RecordingError  # noqa: E402
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.recording import (  # noqa: E402
     JointSample, TemperatureSample, arrays, read_recording)
-from hand_load_estimator.recording_check import check_recording  # noqa: E402
 from hand_load_estimator.robot import load_robot  # noqa: E402
-from hand_load_estimator.shared_files import find_shared  # noqa: E402
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
 needs_data = pytest.mark.skipif(

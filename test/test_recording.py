@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 from hand_load_estimator.errors import ConfigurationError, RecordingError
+from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.load_file import write_load_file
 from hand_load_estimator.recording import (arrays, find_joints, JointSample, read_recording,
                                            RecordingWriter, TemperatureSample)
 import numpy as np

@@ -12,7 +12,7 @@ from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.residual.hypotheses import with_effect
 from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.torque_columns import effect_slices
+from hand_load_estimator.torque.columns import effect_slices
 
 
 def step_of(name, joint, shape=None, alternatives=()):

@@ -11,7 +11,7 @@ from hand_load_estimator.effects import LATE
 from hand_load_estimator.residual.add import better_model, identified_again
 from hand_load_estimator.residual.find import declared_delays, find_residual
 from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.torque_columns import EffectUse
+from hand_load_estimator.torque.columns import EffectUse
 from hand_load_estimator.torque_model import TorqueModel
 
 JOINT = 2

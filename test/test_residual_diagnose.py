@@ -5,7 +5,7 @@ import numpy as np
 from residual_helpers import (assert_repaired, cable, clean_runs, declared_model, diagnosed, late,
                               noise_of, on, recorded, ripple, RUNS, SECONDS, told, viscous)
 
-from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.find import find_residual
 

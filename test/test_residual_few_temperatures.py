@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from residual_helpers import declared_model, recorded
 
-from hand_load_estimator.recording_mark import RecordingMark
+from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.few_temperatures import between_two_temperatures
 

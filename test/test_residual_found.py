@@ -10,7 +10,7 @@ from test_residual_delay_among_others import DELAY, JOINT, late_with
 
 from hand_load_estimator.effects import EFFECTS, LATE
 from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
-from hand_load_estimator.regression_system import System
+from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.candidate import single, Step
 from hand_load_estimator.residual.diagnosis import UNKNOWN
 from hand_load_estimator.residual.find import find_residual, use_of

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from residual_helpers import cable, declared_model, Hidden, noise_of, on, recorded
 
-from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.folds import cut_into_blocks
 from hand_load_estimator.residual.repeats import first_shown, share_repeated, share_shown
-from hand_load_estimator.torque_columns import motion_input, torque_columns
+from hand_load_estimator.torque.columns import motion_input, torque_columns
 
 DT, JOINTS = 0.02, 4
 REPEATED = 'cannot tell any effect for sure because all recordings repeat one motion of'

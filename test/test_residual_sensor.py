@@ -10,11 +10,11 @@ from residual_helpers import (clean_runs, declared_model, Hidden, noise_of, on, 
 
 from hand_load_estimator.benchmark.real_sets import SETS
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.evidence import Evidence
+from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.find import find_residual
 from hand_load_estimator.residual.hypotheses import hypotheses
-from hand_load_estimator.torque_columns import torque_columns
+from hand_load_estimator.torque.columns import torque_columns
 
 SENSOR = {'kind': 'link_torque', 'includes_configured_load': False}
 UNSEEN = {name for name, effect in EFFECTS.items() if not effect.in_link_torque}

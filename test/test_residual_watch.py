@@ -11,7 +11,7 @@ from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.residual.watch import CALM, ENOUGH, LIMIT
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
 
 JOINT = 2
 SECONDS = 32.0

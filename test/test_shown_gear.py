@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.model_follower import ModelFollower
 from hand_load_estimator.motion import MotionFilter
-from hand_load_estimator.shown_gear import shown_side, shown_size
-from hand_load_estimator.shown_links import shown_links, SPREAD
+from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.shown_gear import shown_side, shown_size
+from hand_load_estimator.torque.shown_links import shown_links, SPREAD
 
 RATE, SHARE = 500.0, 0.6
 LOAD = LoadParameters(3.0, [0.0, 0.0, 0.3], 0.02 * np.eye(3))
@@ -68,8 +68,8 @@ def test_a_snap_leaves_half_as_much_of_the_friction_of_teeth(loaded, monkeypatch
     samples = snapped(robot, mean, loaded)
     left = [rms_left(model, samples, loaded)]
     # As it was: the size of what the filter shows.
-    monkeypatch.setattr('hand_load_estimator.model_follower.shown_links_and_way', _no_way)
-    monkeypatch.setattr('hand_load_estimator.torque_columns.shown_links_and_way', _no_way)
+    monkeypatch.setattr('hand_load_estimator.torque.model_follower.shown_links_and_way', _no_way)
+    monkeypatch.setattr('hand_load_estimator.torque.columns.shown_links_and_way', _no_way)
     left.append(rms_left(model, samples, loaded))
     assert left[0] < 0.55 * left[1], left
 

@@ -5,8 +5,8 @@ import pytest
 
 from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shown_links import shown_links
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
+from hand_load_estimator.torque.shown_links import shown_links
 
 RATE = 500.0
 LOAD = np.array([5.0, 0.15, 0.1, 0.5, 0.06, 0.0, 0.06, 0.0, 0.0, 0.03])

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from test_residual_watch import JOINT, rubbed, watched
 
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.sliding import BLOCK, FEWEST_SECONDS, sliding_rms, surely_slides
+from hand_load_estimator.stream.joint_stream import motion_of
+from hand_load_estimator.torque.sliding import BLOCK, FEWEST_SECONDS, sliding_rms, surely_slides
 
 DT = 0.02
 EMPTY = LoadParameters()

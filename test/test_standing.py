@@ -8,7 +8,7 @@ from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
-from hand_load_estimator.simulate_motions import named_motion
+from hand_load_estimator.simulation.simulate_motions import named_motion
 
 RUNS, SECONDS, RATE = 6, 8.0, 100.0
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.plant import simulate_motion, TemperatureEvent
 from hand_load_estimator.robot import load_robot
-from hand_load_estimator.shared_files import find_shared
-from hand_load_estimator.simulate_motions import named_motion
-from hand_load_estimator.torque_noise import difference_gain, SampleNoise
+from hand_load_estimator.simulation.simulate_motions import named_motion
+from hand_load_estimator.torque.noise import difference_gain, SampleNoise
 
 STD = 1.2  # [Nm] of one reported torque
 

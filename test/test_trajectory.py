@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.trajectory import (Trajectory, concatenate, hold, read_trajectory_csv,
-                                            write_trajectory_csv)
+from hand_load_estimator.motions.trajectory import (Trajectory, concatenate, hold,
+                                                    read_trajectory_csv, write_trajectory_csv)
 
 
 def wavy(joints=3, knots=9):

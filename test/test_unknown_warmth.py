@@ -6,7 +6,7 @@ from core_helpers import exact_model
 import numpy as np
 import pytest
 
-from hand_load_estimator.torque_columns import EffectUse
+from hand_load_estimator.torque.columns import EffectUse
 from hand_load_estimator.torque_model import drift_std, UNKNOWN_WARMTH
 
 COULOMB, VISCOUS = (f'temperature_dependent_{kind}_friction' for kind in ('coulomb', 'viscous'))

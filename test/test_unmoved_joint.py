@@ -8,14 +8,14 @@ import pytest
 
 from hand_load_estimator.control.collision_threshold import CollisionThresholds
 from hand_load_estimator.control.load_belief import rated_belief
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.identification import identify
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.nodes.controller_report import report_torque_model
 from hand_load_estimator.nodes.diagnostics import WARN
 from hand_load_estimator.nodes.model_cautions import cautions
 from hand_load_estimator.residual.add import better_model
+from hand_load_estimator.stream.joint_stream import motion_of
 
 STILL = 3
 

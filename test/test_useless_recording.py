@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from hand_load_estimator.cli import main
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.useless_recording import refuse_useless
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.useless_recording import refuse_useless
+from hand_load_estimator.stream.joint_stream import motion_of
 
 EFFECTS = 'coulomb_friction,viscous_friction,torque_offset'
 

@@ -6,12 +6,12 @@ from core_helpers import exact_model, four_axes, messages
 import numpy as np
 import pytest
 
-from hand_load_estimator import identification
-from hand_load_estimator.evidence import prepare
-from hand_load_estimator.joint_stream import motion_of
+from hand_load_estimator.identification import identify
+from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.residual_noise import drift_of, USUAL_DRIFT
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
-from hand_load_estimator.residual_noise import drift_of, USUAL_DRIFT
+from hand_load_estimator.stream.joint_stream import motion_of
 from hand_load_estimator.torque_model import drift_std, UNKNOWN_WARMTH
 
 EFFECTS = ('link_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offset')
@@ -31,9 +31,9 @@ def identified(monkeypatch, seeds, celsius=(), effects=EFFECTS):
                             message.effort))])
         evidence.append(prepare(robot, f'run {seed}', motion_of(robot, recording)[0],
                                 LoadParameters(), recording))
-    monkeypatch.setattr(identification, 'drift_of',
+    monkeypatch.setattr(identify, 'drift_of',
                         lambda *given: seen.append(drift_of(*given)) or seen[0])
-    found = identification.identify(robot, evidence, list(effects))
+    found = identify.identify(robot, evidence, list(effects))
     friction = np.stack([np.zeros(4), found.friction_level(), found.viscous_friction()], axis=1)
     return seen[0], found.residuals.drift, friction
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hand_load_estimator.whole_file import whole_file
+from hand_load_estimator.files.whole_file import whole_file
 
 
 def test_the_old_file_stays_until_the_new_one_is_whole(tmp_path):

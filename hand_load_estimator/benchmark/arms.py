@@ -15,8 +15,8 @@ import numpy as np
 import yaml
 
 from ..errors import ConfigurationError
+from ..files.robot_draft import draft_robot_file, read_chain
 from ..plant.difficulty import by_size, DEFAULT
-from ..robot_draft import draft_robot_file, read_chain
 
 PACKAGE = 'example-robot-data'
 _ROBOTS = 'cmeel.prefix/share/example-robot-data/robots'

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..estimators.pipeline import MOTION_START
-from ..evidence import prepare
-from ..input_guard import InputGuard
-from ..joint_stream import JointStream
+from ..identification.evidence import prepare
 from ..load import LoadParameters
 from ..motion import Motion
 from ..plant import TemperatureEvent, simulate_motion
 from ..plant.effects_file import parse_effects
-from ..simulate_motions import named_motion
+from ..simulation.simulate_motions import named_motion
+from ..stream.input_guard import InputGuard
+from ..stream.joint_stream import JointStream
 from .wrist_swing import wrist_swing, WRIST_SWING
 
 # No-load recordings every model is identified from: motion, temperature [degC], seconds.

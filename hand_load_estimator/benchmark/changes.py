@@ -5,11 +5,11 @@ from functools import lru_cache
 import numpy as np
 
 from .. import seeds
-from ..identification import identify
+from ..identification.identify import identify
 from ..load import LoadParameters
 from ..plant import simulate_motion
 from ..robot import load_robot
-from ..simulate_motions import named_motion
+from ..simulation.simulate_motions import named_motion
 from .cases import draw_load, identification_evidence, motion_start, stream_samples
 from .contestants import chosen_methods, our_contestants
 from .suites import CASES_PER_PLANT

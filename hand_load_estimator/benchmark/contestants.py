@@ -9,9 +9,9 @@ from ..errors import ConfigurationError
 from ..estimators.build import build_method
 from ..estimators.physical_consistency import published
 from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
+from ..files.shared_files import share_folder
 from ..learning.difference_artefact import PREDICTORS
-from ..model_follower import ModelFollower
-from ..shared_files import share_folder
+from ..torque.model_follower import ModelFollower
 from .cases import untold
 from .rivals import FixedLoad, LeastSquares
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..estimators.bayes import Bayes
-from ..model_follower import ModelFollower
+from ..torque.model_follower import ModelFollower
 from .contestants import Contestant
 
 MOVING = 0.02            # [rad/s] a joint that stands tells little of its torque

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..joint_stream import JointStream
 from ..motion import Motion
 from ..plant import follow_motion, Plant
 from ..plant.led_plant import LedPlant
 from ..plant.run import JointEvent
+from ..stream.joint_stream import JointStream
 from .cases import stream_samples
 from .effect_errors import differences, moving
 

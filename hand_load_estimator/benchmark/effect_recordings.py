@@ -5,12 +5,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..evidence import prepare
-from ..identification import identify
+from ..identification.evidence import prepare
+from ..identification.identify import identify
 from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot
-from ..simulate_motions import named_motion
+from ..simulation.simulate_motions import named_motion
 from .cases import case_run, draw_case, identification_evidence, simulated, untold
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse

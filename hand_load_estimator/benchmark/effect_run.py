@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
+from ..files.shared_files import find_shared
 from ..robot import load_robot
-from ..shared_files import find_shared
 from .document import blocks_of, write_pages
 from .effect_cases import suite_cases
 from .effect_measure import case_result

@@ -9,7 +9,7 @@ from pathlib import Path
 import time
 
 from ..errors import ConfigurationError
-from ..whole_file import whole_file
+from ..files.whole_file import whole_file
 from ..workers import worker_results
 
 PROCESSES = 'processes'

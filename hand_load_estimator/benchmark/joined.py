@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 from ..errors import ConfigurationError
-from ..whole_file import whole_file
+from ..files.whole_file import whole_file
 from .document import Heading, Table, Text, write_pages
 from .goals import goal_rows, goal_table
 

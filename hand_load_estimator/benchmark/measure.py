@@ -9,7 +9,7 @@ import tempfile
 import numpy as np
 
 from ..estimators.build import determined_std
-from ..identification import identify, nominal_model
+from ..identification.identify import identify, nominal_model
 from ..learning.learn_difference import learn_difference
 from ..load import LoadParameters
 from ..plant import Plant

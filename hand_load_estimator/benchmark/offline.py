@@ -6,7 +6,7 @@ from importlib import import_module
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..model_follower import ModelFollower
+from ..torque.model_follower import ModelFollower
 from .rivals import STANDING
 
 # What is asked of them: after so many seconds of motion, and with the whole run.

@@ -6,7 +6,7 @@ from pathlib import Path
 import subprocess
 
 from ..errors import ConfigurationError
-from ..whole_file import whole_file
+from ..files.whole_file import whole_file
 
 PACKAGE = Path(__file__).resolve().parent.parent
 

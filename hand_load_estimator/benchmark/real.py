@@ -6,13 +6,13 @@ import shutil
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..evidence import prepare
-from ..identification import identify, nominal_model
-from ..joint_stream import JointStream, motion_of, motion_samples
+from ..files.shared_files import find_shared
+from ..identification.evidence import prepare
+from ..identification.identify import identify, nominal_model
 from ..load import LoadParameters
 from ..recording import read_recording
 from ..robot import load_robot
-from ..shared_files import find_shared
+from ..stream.joint_stream import JointStream, motion_of, motion_samples
 from .cases import motion_start
 from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, OUR_MODEL,
                           TEXTBOOK, TEXTBOOK_CAREFUL)

@@ -6,7 +6,7 @@ import numpy as np
 import yaml
 
 from ..errors import RecordingError
-from ..load_file import ASSUMED
+from ..files.load_file import ASSUMED
 from ..recording import JointSample, read_recording, RecordingWriter
 
 # Where a set has one recording only: this much of its motion is learned from, the rest tested.

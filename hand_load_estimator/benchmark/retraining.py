@@ -7,9 +7,9 @@ import numpy as np
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
+from ..files.model_file import write_model
 from ..learning.artefact import CARD, read_artefact
 from ..learning.training import FINE_TUNING, Recipe, train
-from ..model_file import write_model
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from ..robot import load_robot
 from .cases import Case, case_run, draw_case

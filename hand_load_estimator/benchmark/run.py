@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
+from ..files.shared_files import find_shared
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
-from ..shared_files import find_shared
 from . import pushes, suggestion
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores

@@ -8,10 +8,10 @@ import time
 import numpy as np
 
 from ..estimators.build import build_pipeline
+from ..files.whole_file import whole_file
 from ..plant import follow_motion, Plant, TemperatureEvent
 from ..seeds import SHIPPED_MODEL_PLANT
-from ..simulate_motions import named_motion
-from ..whole_file import whole_file
+from ..simulation.simulate_motions import named_motion
 from .memory import resident_mib
 
 LOOP = 60.0          # [s] of one simulated loop that is replayed

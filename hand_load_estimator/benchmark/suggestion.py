@@ -6,11 +6,11 @@ from .. import seeds
 from ..estimators.build import build_method, determined_std
 from ..estimators.pipeline import Pipeline
 from ..load import MESSAGE_ORDER
-from ..model_follower import ModelFollower
+from ..motions.suggest_motion import SuggestionError
+from ..motions.trajectory import Trajectory
 from ..plant import Plant
-from ..simulate_motions import named_motion
-from ..suggest_motion import SuggestionError
-from ..trajectory import Trajectory
+from ..simulation.simulate_motions import named_motion
+from ..torque.model_follower import ModelFollower
 from .cases import draw_load, HEAVIEST, TEMPERATURES
 from .changes import robot_and_model
 from .contestants import DEFAULT

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..simulate_motions import box, faded_sines
-from ..trajectory import Trajectory
+from ..motions.trajectory import Trajectory
+from ..simulation.simulate_motions import box, faded_sines
 
 WRIST_SWING = 'wrist_swing'
 # [Hz] of the last three joints, and of those before them.

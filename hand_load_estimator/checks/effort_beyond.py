@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..input_guard import EFFORT_MARGIN
+from ..stream.input_guard import EFFORT_MARGIN
 from .finding import Finding, WRONG
 
 # Share of the time: a few broken messages are no unit.

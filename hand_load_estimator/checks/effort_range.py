@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..clipped_effort import cut_off, MOVES, never_changes
+from ..identification.clipped_effort import cut_off, MOVES, never_changes
 from .finding import DOUBT, Finding, OK, WRONG
 from .motion import moving
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from ..errors import ConfigurationError
+from ..files.output_file import output_folder
 from ..number_argument import number
-from ..output_file import output_folder
 
 EXAMPLE = """
 hand_load benchmark --out out/benchmark
@@ -68,7 +68,7 @@ def run(args):
     """Measure and print the page."""
     from ..benchmark.effect_run import run_effects, SUITE
     from ..benchmark.run import Options, run_suites
-    from ..shared_files import find_shared
+    from ..files.shared_files import find_shared
     _check_folder(args.out)
     given = _given(args)
     command = ' '.join(['hand_load benchmark', *(

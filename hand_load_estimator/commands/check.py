@@ -4,10 +4,10 @@ import json
 import textwrap
 
 from ..checks.finding import WRONG
+from ..checks.recording_check import check_recording
+from ..files.shared_files import find_shared
 from ..recording import read_recording
-from ..recording_check import check_recording
 from ..robot import load_robot
-from ..shared_files import find_shared
 from .recording_arguments import add_recording_arguments
 
 EXAMPLE = """

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..demo import Demo, DemoSettings, draw_load, NodeProcesses
-from ..own_domain import own_domain
-from ..demo_table import LiveTable
 from ..errors import ConfigurationError
 from ..estimators.registry import DEFAULT, METHODS
+from ..files.output_file import output_file, output_folder
+from ..files.shared_files import find_shared
 from ..number_argument import number
-from ..output_file import output_file, output_folder
 from ..report.demo_figure import draw_demo
 from ..robot import load_robot
-from ..shared_files import find_shared
+from ..simulation.demo import Demo, DemoSettings, draw_load, NodeProcesses
+from ..simulation.demo_table import LiveTable
+from ..simulation.own_domain import own_domain
 
 EXAMPLE = """
 hand_load demo

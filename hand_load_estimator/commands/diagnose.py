@@ -33,16 +33,16 @@ def add_arguments(parser):
 def run(args):
     """Diagnose, write report and model, say what was found."""
     from ..learning.artefact import CARD, read_artefact
-    from ..load_file import load_of_argument
-    from ..model_file import read_model, write_model
-    from ..recording_mark import refuse_repeats
+    from ..files.load_file import load_of_argument
+    from ..files.model_file import read_model, write_model
+    from ..files.recording_mark import refuse_repeats
     from ..report.diagnosis_folder import clear, diagnosis_folder
     from ..report.diagnosis_json import diagnosis_content
     from ..report.diagnosis_page import sentences, write_page
     from ..residual.diagnose import diagnose
     from ..residual.load_error import (known_torque, with_kept_artefact,
                                        with_load_errors)
-    from ..shared_files import find_shared
+    from ..files.shared_files import find_shared
     from .identify import dated, known_load, placed, stated_load
     model_path = find_shared(args.model, 'models')
     start = args.fine_tune and find_shared(args.fine_tune, 'learned')
@@ -87,8 +87,8 @@ def run(args):
 
 def _read(model, path, args, load_of):
     """Return (Evidence, Recording, LoadParameters) of one recording; load_of(Recording)."""
-    from ..evidence import prepare
-    from ..joint_stream import motion_of
+    from ..identification.evidence import prepare
+    from ..stream.joint_stream import motion_of
     from ..recording import read_recording
     recording = read_recording(path, **topics(args))
     load = load_of(recording)

@@ -29,11 +29,11 @@ def add_arguments(parser):
 
 def run(args):
     """Estimate, write the JSON and print the answer."""
-    from ..estimation import estimate_recording, SCHEMA
+    from ..estimators.estimation import estimate_recording, SCHEMA
     from ..estimators.build import build_pipeline
-    from ..output_file import output_file
+    from ..files.output_file import output_file
     from ..recording import read_recording
-    from ..shared_files import find_shared
+    from ..files.shared_files import find_shared
     model = find_shared(args.model, 'models')
     learned = args.learned and str(find_shared(args.learned, 'learned'))
     out = output_file(args.out, SCHEMA, (args.recording, model, learned, args.tool))

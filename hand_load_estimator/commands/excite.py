@@ -7,16 +7,16 @@ import time
 import numpy as np
 
 from ..errors import ConfigurationError
-from ..excitation import make_box, Search
-from ..excitation_information import INDEPENDENT_RATE
-from ..excitation_limits import (check_centre, check_chosen_centre, choose_centre,
-                                 torque_use)
+from ..files.output_file import output_file
+from ..files.shared_files import find_shared
+from ..files.trajectory_message import write_trajectory_message
+from ..motions.excitation import make_box, Search
+from ..motions.excitation_information import INDEPENDENT_RATE
+from ..motions.excitation_limits import (check_centre, check_chosen_centre, choose_centre,
+                                         torque_use)
+from ..motions.trajectory import write_trajectory_csv
 from ..number_argument import number
-from ..output_file import output_file
 from ..robot import load_robot
-from ..shared_files import find_shared
-from ..trajectory import write_trajectory_csv
-from ..trajectory_message import write_trajectory_message
 
 EXAMPLE = """
 hand_load excite --robot my_arm.yaml --out excite.csv

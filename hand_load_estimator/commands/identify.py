@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from ..load_file import placed
+from ..files.load_file import placed
 from .recording_arguments import add_recording_arguments, topics
 
 # Share of the motion from which on it is said that it repeats what was shown before.
@@ -38,15 +38,15 @@ def add_arguments(parser):
 
 def read_evidence(robot, args):
     """Return a list of Evidence: recordings of the arguments, with --load or their load.yaml."""
-    from ..clipped_effort import clipped_efforts
-    from ..declared_load import another_load
-    from ..evidence import prepare
-    from ..joint_stream import motion_of
-    from ..load_file import load_of_argument
+    from ..identification.clipped_effort import clipped_efforts
+    from ..checks.declared_load import another_load
+    from ..identification.evidence import prepare
+    from ..stream.joint_stream import motion_of
+    from ..files.load_file import load_of_argument
     from ..recording import read_recording
-    from ..recording_mark import refuse_repeats
-    from ..rejected_input import in_words
-    from ..useless_recording import refuse_useless
+    from ..files.recording_mark import refuse_repeats
+    from ..stream.rejected_input import in_words
+    from ..identification.useless_recording import refuse_useless
     given = placed(*load_of_argument(args.load), args.load) if args.load else None
     evidence = []
     for path in args.recordings:
@@ -69,14 +69,14 @@ def read_evidence(robot, args):
 
 def run(args):
     """Identify, write the model and say how good it is."""
-    from ..identification import check_effects
-    from ..identified_sense import nonsense, refuse_nonsense
-    from ..model_file import read_model, SCHEMA, write_model
-    from ..output_file import output_file
+    from ..identification.identify import check_effects
+    from ..identification.identified_sense import nonsense, refuse_nonsense
+    from ..files.model_file import read_model, SCHEMA, write_model
+    from ..files.output_file import output_file
     from ..residual.repeats import share_repeated
     from ..robot import load_robot
-    from ..shared_files import find_shared
-    from ..unknown_friction import told_of_unknown_friction
+    from ..files.shared_files import find_shared
+    from ..torque.unknown_friction import told_of_unknown_friction
     source = find_shared(args.model, 'models') if args.model else \
         find_shared(args.robot, 'robots')
     out = output_file(args.out, SCHEMA, (*args.recordings, source, args.load))
@@ -112,7 +112,7 @@ def _effects(args):
 
 def _identified(robot, before, evidence, effects):
     """Return the TorqueModel, everything in it estimated together; before: the old or None."""
-    from ..identification import identify
+    from ..identification.identify import identify
     from ..residual.add import identified_again
     if before is None:
         return identify(robot, evidence, effects, progress=_say)

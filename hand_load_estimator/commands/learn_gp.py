@@ -30,9 +30,9 @@ def run(args):
     from ..learning.difference_artefact import CARD, SCHEMA
     from ..learning.difference_inputs import parse_inputs
     from ..learning.learn_difference import learn_difference
-    from ..model_file import read_model
-    from ..output_file import output_folder
-    from ..shared_files import find_shared
+    from ..files.model_file import read_model
+    from ..files.output_file import output_folder
+    from ..files.shared_files import find_shared
     names = parse_inputs(args.inputs)
     model_path = find_shared(args.model, 'models')
     out = output_folder(args.out, {CARD: SCHEMA}, (*args.recordings, model_path, args.load))

@@ -1,7 +1,7 @@
 """`hand_load new-robot`: a robot file to complete, from a URDF."""
 
-from ..output_file import output_file
-from ..robot_draft import draft_robot_file, read_chain, TO_COMPLETE, values_to_complete
+from ..files.output_file import output_file
+from ..files.robot_draft import draft_robot_file, read_chain, TO_COMPLETE, values_to_complete
 
 EXAMPLE = """
 hand_load new-robot my_arm.urdf --out my_arm.yaml

@@ -4,10 +4,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import ConfigurationError
+from ..files.output_file import output_folder
+from ..files.shared_files import find_shared
 from ..learning.artefact import CARD, SCHEMA
 from ..learning.direct_design import design_for, NETWORKS, SIZES
-from ..output_file import output_folder
-from ..shared_files import find_shared
 
 EXAMPLE = """
 hand_load train --model model.yaml --out learned/my_arm
@@ -83,7 +83,7 @@ def _train(args):
         recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
         return train(model, args.out, recipe, args.device, write, start)
     from ..learning.direct_training import DirectRecipe, train_direct
-    from ..model_file import read_model
+    from ..files.model_file import read_model
     _refuse(args, ('start_from',), 'lstm')
     if args.network != 'feedforward':
         _refuse(args, ('window',), 'feedforward')

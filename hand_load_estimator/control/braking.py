@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..trajectory import Trajectory
+from ..motions.trajectory import Trajectory
 
 _RAMP = 0.05           # [s] rise and fall of the deceleration, so that the drives see no step
 _STOP_TIMES = np.geomspace(0.12, 2.0, 18)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..effects import EffectInput
-from ..torque_columns import torque_columns, warmth_of
+from ..torque.columns import torque_columns, warmth_of
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 
 _DIRECTIONS = 12  # of the parameters; as many as the estimators follow

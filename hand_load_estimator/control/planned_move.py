@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..trajectory import Trajectory
+from ..motions.trajectory import Trajectory
 from .profile import PathLimits, Profile
 
 

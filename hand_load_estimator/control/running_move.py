@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..trajectory import Trajectory
+from ..motions.trajectory import Trajectory
 
 LEAD = 0.05            # [s] from computing a new rest to its beginning: message and first cycle
 _WORTH = 0.03          # [s] a rest that is not faster by this much is not sent

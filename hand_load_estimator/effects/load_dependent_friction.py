@@ -1,6 +1,6 @@
 """Friction that grows with the torque of the gear."""
 
-from ..shown_gear import shown_size
+from ..torque.shown_gear import shown_size
 from .effect import Effect
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
 

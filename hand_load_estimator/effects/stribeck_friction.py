@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..stribeck_curve import left
+from ..torque.stribeck_curve import left
 from .effect import Effect, Shape, side_by_side, SLOWEST
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
 

@@ -5,17 +5,17 @@ import json
 from pathlib import Path
 
 from ..errors import ConfigurationError
+from ..files.model_file import model_digest, read_model
+from ..files.model_of_robot import model_of_robot
+from ..files.shared_files import find_shared, share_folder
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
 from ..load import MESSAGE_ORDER
-from ..model_file import model_digest, read_model
-from ..model_follower import ModelFollower
-from ..model_of_robot import model_of_robot
 from ..robot import load_robot
-from ..shared_files import find_shared, share_folder
-from ..tool import read_tool, ToolFollower
+from ..torque.model_follower import ModelFollower
 from .pipeline import Pipeline
 from .registry import DEFAULT, DIFFERENCE, METHODS, WITHOUT_ARTEFACT
+from .tool import read_tool, ToolFollower
 
 # A parameter counts as determined below these standard deviations, as fractions of the rated
 # mass, in metres, and as a fraction of the rated load's largest moment of inertia.

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..learning.difference_inputs import difference_inputs
-from ..torque_columns import warmth_of
+from ..torque.columns import warmth_of
 
 # An error of the function lasts about as long [s] as a joint stays at one speed; as a coloured
 # error of that memory its density is 2 variance time.

@@ -13,7 +13,7 @@ import torch
 from ..learning.direct_calibration import calibrated
 from ..learning.direct_network import Judge, inputs_of
 from ..load import message_from_shape, products_jacobian_of_message
-from ..torque_columns import warmth_of
+from ..torque.columns import warmth_of
 from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior

@@ -16,7 +16,7 @@ from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..learning.network_bounds import CORRECTION, SHIFT, SPREAD
 from ..load import message_from_shape
-from ..presliding import doubt_after
+from ..torque.presliding import doubt_after
 from .contact_gate import ContactGate
 from .information import message_covariance
 from .innovation_scale import InnovationScale

@@ -21,7 +21,7 @@ from collections import deque
 
 import numpy as np
 
-from ..load_agreement import normalised_square
+from ..identification.load_agreement import normalised_square
 from .change import PIECE
 from .information import as_stated, Information, Trust
 

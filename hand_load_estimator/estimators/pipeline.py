@@ -3,11 +3,11 @@
 import numpy as np
 
 from ..errors import HandLoadError
-from ..joint_stream import JointStream
 from ..load import LoadEstimate
-from ..rejected_input import in_words, joint_states_of
+from ..motions.suggest_motion import MotionSuggester, SuggestionError
 from ..residual.watch import ResidualWatch
-from ..suggest_motion import MotionSuggester, SuggestionError
+from ..stream.joint_stream import JointStream
+from ..stream.rejected_input import in_words, joint_states_of
 from .impossible_mass import impossible_mass
 from .method import checked
 from .physical_consistency import published

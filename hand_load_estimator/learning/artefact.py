@@ -12,8 +12,8 @@ import numpy as np
 from safetensors.numpy import load_file, save_file
 
 from ..errors import ConfigurationError
-from ..same_arm import place_difference, places_of
-from ..whole_file import whole_file
+from ..files.same_arm import place_difference, places_of
+from ..files.whole_file import whole_file
 from .features import feature_count, INPUTS
 from .interval_factors import LEVELS
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..regression_system import System
-from ..residual_noise import density
-from ..torque_columns import warmth_of
+from ..identification.regression_system import System
+from ..identification.residual_noise import density
+from ..torque.columns import warmth_of
 from .difference_inputs import difference_inputs
 
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import EffectInput
-from ..load_agreement import share_of, slices_of, Window, WINDOWS
+from ..identification.load_agreement import share_of, slices_of, Window, WINDOWS
 from ..motion import BANDWIDTH, filter_step
-from ..presliding import presliding_path, stuck_density
-from ..torque_columns import effect_columns, torque_columns
+from ..torque.columns import effect_columns, torque_columns
+from ..torque.presliding import presliding_path, stuck_density
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
 from .random_motions import random_motion, random_waves

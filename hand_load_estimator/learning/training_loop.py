@@ -14,7 +14,7 @@ from safetensors.torch import load_file, save_file
 
 from .. import seeds
 from ..errors import ConfigurationError
-from ..whole_file import whole_file
+from ..files.whole_file import whole_file
 from . import shards
 from .start import sha256_of
 

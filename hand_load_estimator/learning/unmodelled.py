@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..effects.smooth_sign import sign_of
-from ..presliding import REST_SPEED
+from ..torque.presliding import REST_SPEED
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import sys
 import textwrap
 
 from ..errors import ConfigurationError
-from ..shared_files import share_folder
+from ..files.shared_files import share_folder
 from .runner import run_node
 
 _WIDTH = 98

@@ -16,9 +16,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from ..control.fallback import usable_estimate
 from ..control.supervisor import Supervisor
-from ..input_guard import InputGuard
-from ..joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from ..load import products_from_message
+from ..stream.input_guard import InputGuard
+from ..stream.joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
 from .command_line import run_from_command_line
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)

@@ -9,7 +9,7 @@ from ..control.collision_threshold import ThresholdSettings
 from ..control.fallback import FallbackSettings
 from ..control.supervisor import CycleSettings
 from ..errors import ConfigurationError
-from ..model_of_robot import model_of_robot
+from ..files.model_of_robot import model_of_robot
 from ..robot import load_robot
 from .model_choice import robot_and_model
 

@@ -19,7 +19,7 @@ from ..estimators.build import build_pipeline
 from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
 from ..load import message_from_products
-from ..suggest_motion import SuggestionError
+from ..motions.suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .command_line import run_from_command_line
 from .controller_messages import trajectory_message

@@ -1,7 +1,7 @@
 """What has to be known of a torque model before it is relied on, whatever the arm does."""
 
-from ..simulated_model import told_of_simulated
-from ..unknown_friction import told_of_unknown_friction
+from ..files.simulated_model import told_of_simulated
+from ..torque.unknown_friction import told_of_unknown_friction
 
 
 def cautions(model, simulated):

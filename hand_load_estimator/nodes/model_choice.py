@@ -1,8 +1,8 @@
 """Which robot and model files the parameters `robot` and `model` of a node stand for."""
 
 from ..errors import ConfigurationError
+from ..files.shared_files import find_shared
 from ..robot import load_robot
-from ..shared_files import find_shared
 
 
 def robot_and_model(values):

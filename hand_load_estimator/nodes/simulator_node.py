@@ -16,10 +16,10 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
 from ..errors import ConfigurationError
+from ..files.shared_files import find_shared
 from ..load import LoadParameters
 from ..plant import Plant, read_effects
 from ..robot import load_robot
-from ..shared_files import find_shared
 from .command_line import run_from_command_line
 from .diagnostics import OK, WARN, Diagnostics
 from .estimate_messages import inertia_message

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from ..configuration import read_yaml, Section
 from ..errors import ConfigurationError
+from ..files.configuration import read_yaml, Section
 from .hidden import EFFECTS
 
 _KEYS = 'name, joints (default: all), strength and/or parameters'

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import LATE
-from ..identification import prior
-from ..knee_fit import with_knees_fitted
-from ..load_agreement import share_left_out
-from ..regression_system import held_out, System
-from ..residual_noise import density, drift_of, known_joints, rmse_of, with_usual_drift
-from ..sliding import moved_joints
-from ..torque_columns import ColumnLayout, effect_slices
+from ..identification.identify import prior
+from ..identification.knee_fit import with_knees_fitted
+from ..identification.load_agreement import share_left_out
+from ..identification.regression_system import held_out, System
+from ..identification.residual_noise import (density, drift_of, known_joints, rmse_of,
+                                             with_usual_drift)
+from ..torque.columns import ColumnLayout, effect_slices
+from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
 from .confusable import partners
 from .diagnosis import UNKNOWN

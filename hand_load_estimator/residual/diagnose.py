@@ -4,9 +4,9 @@ import time
 
 import numpy as np
 
-from ..clipped_effort import clipped_efforts
-from ..recording_mark import refuse_repeats
-from ..sliding import sliding_rms
+from ..files.recording_mark import refuse_repeats
+from ..identification.clipped_effort import clipped_efforts
+from ..torque.sliding import sliding_rms
 from .another_robot import refuse_another_robot
 from .another_state import of_another_state
 from .as_expected import expected_changes

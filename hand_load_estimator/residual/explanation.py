@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import RecordingError
-from ..identification import prior
+from ..identification.identify import prior
 from .add import better_model
 from .disturbance_findings import at
 from .find import Residual

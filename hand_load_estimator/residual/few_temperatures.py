@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import NEEDS_TEMPERATURE
-from ..evidence import recording_numbers
+from ..identification.evidence import recording_numbers
 from .diagnosis import CONFIRMED, SUSPECTED
 from .folds import SEVERAL
 from .limits import LEAST_WARMING

@@ -6,15 +6,15 @@ import numpy as np
 
 from ..effects import EFFECTS, EffectInput, LATE
 from ..effects.effect import SLOWEST
-from ..evidence import recording_numbers
-from ..filtered_noise import noise_floor, white_density
-from ..lateness import as_reported, change_when_late, lateness
+from ..identification.evidence import recording_numbers
 from ..motion import smeared
-from ..presliding import presliding_path, stuck_density
-from ..shown_friction import ShownAlong
-from ..sliding import surely_slides
-from ..torque_columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
+from ..torque.columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
                               torque_columns)
+from ..torque.filtered_noise import noise_floor, white_density
+from ..torque.lateness import as_reported, change_when_late, lateness
+from ..torque.presliding import presliding_path, stuck_density
+from ..torque.shown_friction import ShownAlong
+from ..torque.sliding import surely_slides
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT

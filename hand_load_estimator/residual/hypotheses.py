@@ -9,7 +9,7 @@ from ..effects import EFFECTS, LATE
 from ..effects.knee import KNEE, shows
 from ..effects.own_travel import OWN_TRAVEL
 from ..effects.stribeck_friction import VELOCITY_RANGE
-from ..identification import prior
+from ..identification.identify import prior
 from .diagnosis import UNKNOWN
 from .find import use_of
 from .hypothesis import beside_delays, EFFECT_FACTOR, Hypothesis, LINK_FACTOR, searched

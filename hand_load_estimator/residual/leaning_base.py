@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import EFFECTS
-from ..identification import prior
+from ..identification.identify import prior
 from .hypothesis import beside_delays, EFFECT_FACTOR, Hypothesis, LINK_FACTOR
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..effects import LOAD_CHANGE
 from ..load import message_from_products, products_jacobian_of_message
-from ..shown_links import shown_links
+from ..torque.shown_links import shown_links
 from .disturbance import Cause
 from .interval import Kind
 

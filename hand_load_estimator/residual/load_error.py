@@ -7,10 +7,10 @@ import numpy as np
 from ..estimators.bayes import Bayes
 from ..estimators.build import shipped_artefact
 from ..estimators.lstm import Lstm
-from ..joint_stream import JointStream, motion_samples
+from ..files.load_file import ASSUMED
 from ..learning.artefact import read_artefact
-from ..load_file import ASSUMED
-from ..model_follower import ModelFollower
+from ..stream.joint_stream import JointStream, motion_samples
+from ..torque.model_follower import ModelFollower
 from .diagnosis import KeptArtefact, LoadError
 
 

@@ -7,7 +7,7 @@ recording to recording and not within one looks like an effect of time, and is n
 
 import numpy as np
 
-from ..evidence import recording_numbers
+from ..identification.evidence import recording_numbers
 
 # A joint is off in one recording by so many times what it is in the others, and its noise.
 TIMES, NOISE = 3.0, 3.0

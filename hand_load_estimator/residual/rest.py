@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..filtered_noise import noise_floor
+from ..torque.filtered_noise import noise_floor
 
 # Lags [s] at which noise is forgotten and structure is looked for, and how finely.
 FORGOTTEN, LATEST, STEP = 0.1, 0.5, 0.02

@@ -1,7 +1,7 @@
 """Is there time enough to diagnose, and if not: what took it away?"""
 
 from ..errors import RecordingError
-from ..rejected_input import told_of_rejected
+from ..stream.rejected_input import told_of_rejected
 from .load_change import looks_loaded, NAME as LOAD_CHANGE
 
 LEAST_SECONDS = 4.8    # twelve blocks of 0.4 s

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..identification import prior
+from ..identification.identify import prior
 from .hypothesis import EFFECT_FACTOR
 from .plain_functions import hats
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..load import products_from_message, products_jacobian_of_message
-from ..sliding import BLOCK, LEAST, surely_slides
+from ..torque.sliding import BLOCK, LEAST, surely_slides
 
 # The load's torque is known when its variance is at most so many times the one the model states.
 LOAD_KNOWN = 4.0

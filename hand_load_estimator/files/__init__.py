@@ -1,0 +1,1 @@
+"""Files of this package: found, read, refused with a sentence, written whole."""

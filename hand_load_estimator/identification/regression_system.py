@@ -1,0 +1,138 @@
+"""The least squares of identification: columns, torque and weights of recordings (eq. 11)."""
+
+from copy import copy
+
+import numpy as np
+
+from ..effects import LATE
+from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, motion_input,
+                              presliding_distances, presliding_powers, torque_columns)
+from ..torque.lateness import as_reported, change_when_late
+from ..torque.presliding import stuck_density
+from .evidence import recording_numbers
+from .load_agreement import LeftOut
+
+
+class System:
+    """
+    Columns, torque and friction doubt of several recordings for one set of effects.
+
+    mean (P,): parameters that tell torques to the effects that depend on them; around these the
+    torque of a delay, which is a product of its share and all others, is made linear. drifting:
+    friction state and velocity (N, n) of the moments that the torques belong to.
+    """
+
+    def __init__(self, robot, uses, evidence, mean):
+        self.robot = robot
+        distance, power = presliding_distances(robot.n, uses), presliding_powers(robot.n, uses)
+        layout = ColumnLayout(robot.n, uses)
+        inputs = [motion_input(robot, e.motion, distance, power) for e in evidence]
+        self._inputs = [x for x, _ in inputs]
+        self.columns = np.concatenate([
+            torque_columns(robot, layout, x, mean, e.motion.dt, e.load)
+            for (x, _), e in zip(inputs, evidence)])
+        self.torque = np.concatenate([e.torque for e in evidence])
+        self.doubt = np.concatenate([doubt for _, doubt in inputs])
+        self.tells = np.concatenate([e.tells for e in evidence])
+        self.dt = np.concatenate([e.motion.dt for e in evidence])
+        self.owner = np.concatenate([np.full(len(e.torque), k) for k, e in enumerate(evidence)])
+        self.recording = np.concatenate([
+            np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
+        self.velocity = np.concatenate([x.v for x, _ in inputs])
+        self.acceleration = np.concatenate([x.a for x, _ in inputs])
+        self.z = np.concatenate([x.z for x, _ in inputs])
+        self._uses = uses
+        self.drifting = self.z.copy(), self.velocity.copy()
+        # A delay delays every other column of its joint; none counts twice.
+        self._late = {use.joint: (mean[where][0], use.shape['shift'])
+                      for use, where in effect_slices(robot.n, uses) if use.name == LATE}
+        for j in self._late:
+            for values in self.drifting:
+                values[:, j:j + 1] += self._change(values[:, j:j + 1], j)
+            change = self._change(self.columns[:, j, layout.prompt], j)
+            self.columns[:, j, layout.prompt] += change
+            self.torque[:, j] += change @ mean[layout.prompt]
+
+    def _change(self, columns, j):
+        """Return what the delay of joint j changes of its columns (N, k)."""
+        share, delay = self._late[j]
+        return share * change_when_late(columns, self.dt, self.owner, delay)
+
+    def columns_of(self, use):
+        """Return the columns (N, k) of an effect that reads no torques."""
+        columns = np.concatenate([effect_columns(x, use) for x in self._inputs])
+        return columns + self._change(columns, use.joint) if use.joint in self._late else columns
+
+    def reshape(self, use, where):
+        """Write the columns of such an effect anew; where: its slice of x."""
+        self.columns[:, use.joint, where] = self.columns_of(use)
+
+    def with_more(self, columns):
+        """Return a System with columns (N, n, k) behind its own."""
+        out = copy(self)
+        out.columns = np.concatenate([self.columns, columns], axis=2)
+        return out
+
+    def weights(self, intensity, friction):
+        """Return (N, n): dt / density, less where friction is in doubt, 0 where nothing tells."""
+        stuck = stuck_density(self.z, self.doubt, self.velocity, self.acceleration, friction)
+        stuck = as_reported(self._uses, stuck, self.dt, self.owner)
+        return np.where(self.tells, self.dt[:, None] / (intensity + stuck), 0.0)
+
+    def solve(self, mean, covariance, weights):
+        """Return the posterior mean and covariance of x (eq. 11)."""
+        return posterior_of(mean, covariance, self.told(mean, covariance, weights, slice(None)))
+
+    def told(self, mean, covariance, weights, rows):
+        """Return Y^T W Y and Y^T W (tau - Y mean) of rows, for the parameters free to move."""
+        y, tau, w = self.columns[rows], self.torque[rows], weights[rows]
+        n, free = tau.shape[1], np.flatnonzero(np.diag(covariance) > 0.0)
+        information = np.zeros((len(free), len(free)))
+        gradient = np.zeros(len(free))
+        for j in range(n):
+            # A joint tells nothing of the others' effects and of the links before it.
+            own = np.flatnonzero(y[:, j, free].any(axis=0))
+            yj = y[:, j, free[own]]
+            weighted = yj * w[:, j, None]
+            information[np.ix_(own, own)] += weighted.T @ yj
+            gradient[own] += weighted.T @ (tau[:, j] - y[:, j] @ mean)
+        return information, gradient
+
+    def residual(self, x):
+        """Return tau - Y x, (N, n)."""
+        return self.torque - self.columns @ x
+
+
+def posterior_of(mean, covariance, told):
+    """Return posterior mean (P,) and covariance (P, P) of a prior and what data told of it."""
+    information, gradient = told
+    free = np.flatnonzero(np.diag(covariance) > 0.0)
+    # Scaling by the prior keeps masses and inertias of small links in one range.
+    scale = np.sqrt(np.diag(covariance)[free])
+    scaled = information * np.outer(scale, scale) + np.eye(len(free))
+    inverse = np.linalg.inv(scaled)
+    posterior = np.zeros_like(covariance)
+    posterior[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
+    x = mean.copy()
+    x[free] += scale * (inverse @ (scale * gradient))
+    return x, posterior
+
+
+def held_out(system, mean, covariance, weights):
+    """
+    Return the LeftOut of data left out of the fit: each recording in turn.
+
+    A single recording is cut into four parts in time instead.
+    """
+    parts = system.recording
+    if len(np.unique(parts)) == 1:
+        parts = np.arange(len(parts)) * 4 // len(parts)
+    told = {part: system.told(mean, covariance, weights, np.flatnonzero(parts == part))
+            for part in np.unique(parts)}
+    residual, covariances = np.empty_like(system.torque), {}
+    for part in told:
+        rest = [sum(sums) for sums in zip(*(told[k] for k in told if k != part))]
+        x, covariances[part] = posterior_of(mean, covariance, rest)
+        rows = parts == part
+        residual[rows] = system.torque[rows] - system.columns[rows] @ x
+    return LeftOut(residual, parts, covariances)

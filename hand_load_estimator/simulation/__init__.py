@@ -1,0 +1,1 @@
+"""Recordings of the simulated arm, and the demo."""

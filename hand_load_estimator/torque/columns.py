@@ -1,0 +1,271 @@
+"""
+The columns Y of the torque model: what every parameter of links and effects does to the torque.
+
+tau_mdl = Y(theta, theta', theta'') x. The same columns serve identification (eq. 11), prediction
+(E1.1) and the model's own uncertainty at run time.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..effects import EFFECTS, EffectInput, LATE
+from .lateness import lateness
+from .play import play_along
+from .presliding import presliding_path
+from .shown_friction import shown_along
+from .shown_links import shown_links_and_way
+
+# Used for joints whose model declares no presliding: friction turns within encoder resolution.
+NO_PRESLIDING = 1e-4
+
+
+@dataclass(frozen=True)
+class EffectUse:
+    """
+    One declared effect on one joint: its name, joint index and shape values.
+
+    An effect of the whole arm stands at joint 0. Shapes that are not given have their defaults;
+    shape_std: standard deviations of those that were estimated with the parameters.
+    """
+
+    name: str
+    joint: int
+    shape: dict = field(default_factory=dict)
+    shape_std: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        """Complete the shape."""
+        object.__setattr__(self, 'shape', {**self.effect.default_shape(), **self.shape})
+
+    @property
+    def effect(self):
+        """The Effect of that name."""
+        return EFFECTS[self.name]
+
+    @property
+    def told_shape(self):
+        """The shape values that are there (Shape.there)."""
+        return self.effect.told(self.shape)
+
+
+def warmth_of(robot, temperature):
+    """Return temperature less reference [K], 0 where it is NaN."""
+    warmth = temperature - robot.reference_temperature
+    return np.where(np.isnan(warmth), 0.0, warmth)
+
+
+def effect_slices(n, uses):
+    """Return (EffectUse, slice of x) pairs for the layout of `uses` behind n links."""
+    start, pairs = 10 * n, []
+    for use in uses:
+        stop = start + len(use.effect.parameters)
+        pairs.append((use, slice(start, stop)))
+        start = stop
+    return pairs
+
+
+def parameter_count(n, uses):
+    """Return P, the length of x."""
+    return 10 * n + sum(len(use.effect.parameters) for use in uses)
+
+
+def presliding_distances(n, uses):
+    """Return the presliding travel (n,) [rad] of the joints."""
+    distance = np.full(n, NO_PRESLIDING)
+    for use in uses:
+        if use.name == 'presliding_hysteresis':
+            distance[use.joint] = use.shape['presliding_distance']
+    return distance
+
+
+def presliding_powers(n, uses):
+    """Return the power (n,) [-] of the way in which each joint's friction turns."""
+    power = np.full(n, np.inf)
+    for use in uses:
+        if use.name == 'presliding_hysteresis':
+            power[use.joint] = use.shape['power']
+    return power
+
+
+def effect_columns(x, use):
+    """Return the columns (N, k) of one effect on its joint."""
+    return use.effect.columns(x, use.joint, use.shape)
+
+
+class ColumnLayout:
+    """
+    Where the columns of declared effects stand in Y, joints of one effect taken together.
+
+    size: P, the length of x. needs: what the columns read beside motion and friction state.
+    prompt (P,): which are of no delay: a delay delays all of these; late: numbers of the others.
+    """
+
+    def __init__(self, n, uses):
+        self.size, self.links = parameter_count(n, uses), 10 * n
+        pairs = effect_slices(n, uses)
+        plain, torque_bound, late = [], [], []
+        for name in dict.fromkeys(use.name for use in uses):
+            effect = EFFECTS[name]
+            own = [(use, where) for use, where in pairs if use.name == name]
+            joints = np.array([use.joint for use, _ in own])
+            shape = {s: np.array([use.shape[s] for use, _ in own]) for s in own[0][0].shape}
+            places = np.array([range(where.start, where.stop) for _, where in own])
+            if effect.whole_arm:
+                joints = np.arange(n)
+            group = effect, joints, shape, places
+            (late if name == LATE else torque_bound if effect.needs & _TORQUES
+             else plain).append(group)
+        self._plain, self._torque_bound, self._late = (
+            _Groups(groups, n) for groups in (plain, torque_bound, late))
+        self.prompt = np.ones(self.size, dtype=bool)
+        self.late = np.sort(self._late.places)
+        self.prompt[self.late] = False
+        self.needs = frozenset().union(*(EFFECTS[use.name].needs for use in uses)) & _TORQUES
+        self._tilt = next((where for use, where in pairs if use.name == 'base_tilt'), None)
+
+    def fill(self, columns, x):
+        """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
+        self._plain.fill(columns, x)
+
+    def fill_torque_bound(self, columns, x):
+        """Write the effects that depend on torques, but delays, into columns (N, n, P)."""
+        self._torque_bound.fill(columns, x)
+
+    def fill_late(self, columns, x):
+        """Write delays into columns (N, n, P)."""
+        self._late.fill(columns, x)
+
+    def tilt(self, mean):
+        """Return the angles (2,) [rad] of a leaning base in x (P,)."""
+        return np.zeros(2) if self._tilt is None else mean[self._tilt]
+
+    def prompt_torque(self, columns, mean):
+        """Return the torque (N, n) [Nm] that delays delay."""
+        return columns @ np.where(self.prompt, mean, 0.0)
+
+
+# Inputs of effects that follow from the other columns.
+_TORQUES = frozenset({'gear', 'gear_way', 'drive', 'tilt', 'late', 'play'})
+
+
+class _Groups:
+    """
+    Groups of (effect, joints (m,), shape, places in x (m or 1, k)) that are written together.
+
+    places: all of theirs, in a row.
+    """
+
+    def __init__(self, groups, n):
+        # A slice spares columns of all joints the copy that an index makes; what depends on
+        # torques wants the numbers.
+        self._groups = [
+            (effect, slice(None) if np.array_equal(joints, np.arange(n))
+             and not effect.needs & _TORQUES else joints, shape)
+            for effect, joints, shape, _ in groups]
+        pairs = [np.broadcast_arrays(joints[:, None], places) for _, joints, _, places in groups]
+        self._joints, self.places = (np.concatenate([p[k].ravel() for p in pairs]).astype(int)
+                                     if pairs else np.zeros(0, dtype=int) for k in range(2))
+
+    def fill(self, columns, x):
+        """Write the effects into columns (N, n, P)."""
+        if self._groups:
+            columns[:, self._joints, self.places] = np.concatenate(
+                [effect.columns(x, joints, shape).reshape(len(columns), -1)
+                 for effect, joints, shape in self._groups], axis=1)
+
+
+def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
+                   teeth=(None, 0.0)):
+    """
+    Return Y (N, n, P) for a ColumnLayout and an EffectInput.
+
+    Only for layouts with effects that depend on torques: mean (P,) tells them; dt (N,) [s]
+    between the samples, without which torques stand still; load: LoadParameters that drives and
+    gears are known to carry too, or None; before: (torque (M, n) [Nm], dt (M,) [s]):
+    what `prompt_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
+    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
+    """
+    count, n = x.q.shape
+    columns = np.zeros((count, n, layout.size))
+    columns[:, :, :layout.links], way = shown_links_and_way(robot, x)
+    layout.fill(columns, x)
+    if layout.needs:
+        gear, gear_way = _gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
+        plain = columns[:, :, layout.links:] @ mean[layout.links:] + gear
+        x = replace(
+            x, gear=gear, gear_way=gear_way, drive=plain,
+            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
+            tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None)
+        layout.fill_torque_bound(columns, x)
+        if 'late' in layout.needs:
+            held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
+            # What is read wrong, or leans, is read late with everything else.
+            layout.fill_late(columns, replace(x, late=lateness(
+                layout.prompt_torque(columns, mean) + held, dt, before)))
+    return columns
+
+
+def gear_torque(robot, x, mean, load=None):
+    """Return gear and gear_way (N, n) [Nm] of EffectInput; arguments as of torque_columns."""
+    return _gear_torque(robot, *shown_links_and_way(robot, x), mean, load)
+
+
+def _gear_torque(robot, links, way, mean, load):
+    gear, gear_way = (columns @ mean[:columns.shape[-1]] for columns in (links, way))
+    if load is not None and load.mass > 0.0:
+        gear, gear_way = (torque + robot.load_columns(columns) @ load.to_products()
+                          for torque, columns in ((gear, links), (gear_way, way)))
+    return gear, gear_way
+
+
+def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
+    """
+    Return play(joints, travels, lags, pose_shares, impacts) of EffectInput at q (N, n).
+
+    gear (N, n) [Nm]: torque of the gears; the links' inertias are the robot file's. teeth: as of
+    torque_columns.
+    """
+    if dt is None:
+        return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
+    inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
+    states, believed = teeth
+    return play_along(gear + believed, inertia, robot.usual_inertia, dt, states)
+
+
+def tilt_columns(robot, layout, q, mean):
+    """
+    Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n).
+
+    x (P,) of a ColumnLayout tells the links, and the turn that the columns are exact for.
+    """
+    links, angles = mean[:layout.links], layout.tilt(mean)
+    return np.array([robot.tilt_regressor(row, links, angles) for row in q])
+
+
+def motion_input(robot, motion, distance, power=None):
+    """
+    Return (EffectInput, doubt (N, n)) along a Motion.
+
+    distance (n,) [rad], power (n,): of presliding.PreslidingState.
+    """
+    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
+    warmth = warmth_of(robot, motion.temperature)
+    shown = shown_along(motion.q, motion.v, motion.a, motion.dt, warmth, motion.jerk)
+    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown,
+                       jerk=motion.jerk), doubt
+
+
+def real_torque(robot, q, effort):
+    """
+    Return tau_real (n,) [Nm] of efforts (n,) as reported (E1.2).
+
+    Current times torque constant; the configured load the controller has already taken off is
+    put back, as its gravity torque.
+    """
+    tau = effort * robot.effort.torque_constants
+    configured = robot.effort.configured_load
+    if configured is not None:
+        zero = np.zeros(robot.n)
+        tau = tau + robot.load_regressor(q, zero, zero) @ configured.to_products()
+    return tau

@@ -1,0 +1,221 @@
+"""Evaluate a torque model along a stream of samples, as the estimator needs it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects import EffectInput, LATE
+from ..effects.load_dependent_friction import direction
+from ..load import products_from_message
+from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
+from .columns import real_torque, torque_columns, warmth_of
+from .late_rows import LateRows
+from .noise import SampleNoise
+from .play import PlayState
+from .presliding import STUCK_TIME, PreslidingState, stuck_variance
+from .shown_friction import ShownStream
+from .shown_gear import shown_side, shown_size
+from .shown_links import shown_links_and_way
+from .sliding import surely_slides
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """
+    The torque model at one MotionSample.
+
+    difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
+    the model's own unit-variance uncertainties do to the torque, as it states them; z, doubt
+    (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that;
+    friction (n,) [Nm]: the level that a joint which stands can hold, as its gear is loaded now.
+    An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
+    the difference beside the load and column_scale (r,) of model_columns are what it counts.
+    noise (n,) [Nm^2]: variance of a sample beyond the model's own residual, where the driver
+    reports less often, or more noise, than in the recordings the model was made from.
+    """
+
+    difference: np.ndarray
+    load_columns: np.ndarray
+    model_columns: np.ndarray
+    z: np.ndarray
+    doubt: np.ndarray
+    stuck: np.ndarray
+    friction: np.ndarray
+    density: np.ndarray
+    column_scale: np.ndarray
+    noise: np.ndarray | float = 0.0
+
+
+class ModelFollower:
+    """
+    Evaluate a TorqueModel along a stream of MotionSamples, keeping the friction's path.
+
+    measured: the samples come from an arm, so that noise can be told from them. column_scale
+    (r,): as of every Prediction.
+    """
+
+    def __init__(self, model, directions=12, seed=0, measured=True):
+        self.model = model
+        self._path = PreslidingState(model.presliding_distance(),
+                                     model.presliding_power())
+        self._shown = ShownStream() if any(
+            np.isfinite(use.shape.get('travel', np.inf)) for use in model.uses) else None
+        self._friction = model.held_friction()
+        # Whatever varies there is noise, at rest too.
+        self._frictionless = self._friction == 0.0
+        self._gear_friction = np.zeros(model.robot.n)
+        for use, where in model.slices():
+            if use.name == 'load_dependent_friction':
+                self._gear_friction[use.joint] = abs(model.mean[where.start])
+        self._uncertain = uncertain_directions(model, directions, seed)
+        self.column_scale = np.full(self.uncertainties, np.sqrt(model.residuals.load_share))
+        self._noise = SampleNoise(model.residuals.rmse) if measured else None
+        self._known = self._drift = None
+        self._carried = np.zeros(10)
+        delays = {use.joint: (model.mean[where.start], use.shape['shift'])
+                  for use, where in model.slices() if use.name == LATE}
+        self._longest = max((seconds for _, seconds in delays.values()), default=0.0)
+        self._late = LateRows(delays)
+        self._late_doubt = LateRows({j: (1.0, seconds) for j, (_, seconds) in delays.items()})
+        self._forget_torques()
+
+    @property
+    def uncertainties(self):
+        """Number r of model columns."""
+        return self._uncertain.shape[1] + DRIFTS * self.model.robot.n
+
+    def restart(self):
+        """Forget the path, as after a gap in the data."""
+        self._path.restart()
+        if self._noise is not None:
+            self._noise.restart()
+        if self._shown is not None:
+            self._shown.restart()
+        self._forget_torques()
+
+    def _forget_torques(self):
+        self._before = None
+        self._late.restart()
+        self._late_doubt.restart()
+        self._teeth = [PlayState() for _ in self.model.robot.joints]
+
+    def carry(self, belief, method, beside=0.0):
+        """
+        Take a Method's Belief of the load: its torque too decides which way gears are loaded.
+
+        beside: products (10,) of what is held and not in the belief.
+        """
+        if self.model.layout.needs & {'gear', 'play'}:
+            self._carried = products_from_message(belief.mean) + method.tared + beside
+
+    def _gear(self, x):
+        """
+        Return the torque (n,) [Nm] of what is believed to be held, and gear, gear_way (n,) of
+        EffectInput with it; no torques where the model has no effect that depends on them.
+        """
+        if not self.model.layout.needs:
+            return 0.0, (0.0, 0.0)
+        robot = self.model.robot
+        ways = [columns[0] for columns in shown_links_and_way(robot, x)]
+        held = [robot.load_columns(columns) @ self._carried for columns in ways]
+        return held[0], [columns @ self.model.mean[:10 * robot.n] + torque
+                         for columns, torque in zip(ways, held)]
+
+    def _columns(self, x, dt, believed):
+        model = self.model
+        if not model.layout.needs:
+            return torque_columns(model.robot, model.layout, x)
+        columns = torque_columns(model.robot, model.layout, x, model.mean, np.array([dt]),
+                                 before=self._before, teeth=(self._teeth, believed))
+        if self._longest:
+            self._remember(model.layout.prompt_torque(columns, model.mean), dt)
+        return columns
+
+    def _remember(self, torque, dt):
+        """Keep the last torques, as far back as a delay may reach."""
+        past, gaps = self._before or (torque[:0], np.zeros(0))
+        past, gaps = np.concatenate([past, torque]), np.append(gaps, dt)
+        ages = np.cumsum(gaps[::-1])[::-1] - gaps
+        keep = np.append(ages[1:] < self._longest, True)
+        self._before = past[keep], gaps[keep]
+
+    def _as_late(self, load, turned, nuisances, columns, dt):
+        """Return K (n, 10), torque (n,) and nuisances (n, r) as they come with what is late."""
+        # What a delay's own share may be off by is late already.
+        own, late = np.zeros_like(nuisances), self.model.layout.late
+        own[:, :self._uncertain.shape[1]] = columns[:, late] @ self._uncertain[late]
+        rows = np.hstack([load, turned[:, None], nuisances - own])
+        rows = rows + self._late.change(rows, dt)
+        return rows[:, :10], rows[:, 10], rows[:, 11:] + own
+
+    def update(self, sample):
+        """Return the Prediction at a MotionSample."""
+        robot = self.model.robot
+        z, doubt = self._path.update(sample.q, sample.v, sample.dt)
+        warmth = warmth_of(robot, sample.temperature)
+        shown = self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt, warmth,
+                                               sample.jerk)
+        x = EffectInput(
+            *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), shown=shown,
+            jerk=None if sample.jerk is None else sample.jerk[None])
+        believed, gear = self._gear(x)
+        columns = self._columns(x, sample.dt, believed)
+        difference = real_torque(robot, sample.q, sample.effort) - columns[0] @ self.model.mean
+        known = np.isfinite(sample.temperature)
+        if self._known is None or (known != self._known).any():
+            self._known, self._drift = known, drift_std(self.model, known)
+        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
+        # What friction may be off by at a reversal grows with it.
+        level = self._friction + self._gear_friction * np.abs(gear[0])
+        stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
+        stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
+        # Identification measured the residual's density; sampled more rarely it has more.
+        stated = density = self.model.residuals.load_intensity
+        if self._noise is not None:
+            density = np.maximum(density, self._noise.update(
+                difference, sample.dt, sample.messages,
+                self._frictionless | surely_slides(sample.v, z, doubt)))
+        noise = (density - stated) / sample.dt
+        density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
+        load = robot.load_columns(columns[0, :, :10 * robot.n])
+        if self.model.layout.needs:
+            load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed,
+                                                gear)
+            if self._longest:
+                load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
+                                                        sample.dt)
+            difference = difference - turned
+        return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
+                          self.column_scale, noise)
+
+
+def load_through_effects(model, columns, load, sample, x, believed, gear):
+    """
+    Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
+
+    columns Y (n, P), load K (n, 10) and EffectInput x at a MotionSample; believed (n,)
+    [Nm]: torque of the load that is thought to be held; gear: gear and gear_way (n,) of
+    EffectInput with it. A wrong gain scales the load's torque too,
+    friction grows with it, a leaning base turns its weight. LateRows adds what a delay does. The
+    torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
+    torque round: there |gear + load| is not |gear| and something.
+    """
+    robot, gain = model.robot, np.ones(model.robot.n)
+    side = shown_side(*gear)
+    bent = shown_size(*gear) - side * believed
+    leaning, turned = np.zeros_like(load), np.zeros(robot.n)
+    warmth = warmth_of(robot, sample.temperature)
+    for use, where in model.slices():
+        j, value = use.joint, model.mean[where]
+        if use.name == 'torque_scale':
+            gain[j] += value[0]
+        elif use.name == 'torque_scale_temperature':
+            gain[j] += value[0] * warmth[j]
+        elif use.name == 'load_dependent_friction':
+            against = value[0] * direction(x, j, use.shape)[0]
+            gain[j] += side[j] * against
+            turned[j] += bent[j] * against - value[0] * columns[j, where.start]
+        elif use.name == 'base_tilt':
+            leaning = np.einsum('a,ajk->jk', value,
+                                robot.tilted_load_columns(sample.q, value))
+    return gain[:, None] * load + leaning, turned

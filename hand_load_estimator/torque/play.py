@@ -1,0 +1,150 @@
+"""
+Play: what a gap between the teeth of a gear does to the torque of its drive.
+
+Two bodies and a dead zone with rigid teeth (Nordin and Gutman 2002, section 2). While the teeth
+touch, the drive carries the link. When the torque through the gear changes sign they part: the
+drive carries nothing, and the link, left to itself, falls behind or runs ahead of it,
+p'' = torque / inertia for the angle p by which the drive leads. On the other side of the gap the
+teeth meet and the drive takes the link's momentum, within the time that they need to bend. So a
+crossing spares the drive a torque and returns all of its integral with the impact.
+
+The inertia decides how long a crossing takes. With the other joints held firmly it is the mass
+matrix's, which an arm's pose changes many times over; joints behind that give way hide the pose.
+How much of the pose shows is therefore a figure of the gap, like its travel.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..motion import BANDWIDTH, filter_step
+
+# Steps of a crossing within a sample: two milliseconds at the motion filter's rate.
+STEPS = 10
+# One of the motion filter's stages, and all of them, delay by this [s].
+STAGE = 1.0 / BANDWIDTH
+FILTER_DELAY = 3.0 * STAGE
+# Times between samples are rounded to this [s], so that jitter makes no end of filters.
+ROUNDED = 1e-4
+# A robot file may state no inertia [kg m^2]: a link with hardly any is across at once.
+LEAST_INERTIA = 1e-12
+# Of an impact less than this [Nm] is nothing any more.
+LEAST_IMPACT = 1e-3
+
+
+@lru_cache(maxsize=4096)
+def _filter(count):
+    """Return (3, 3) and (3, STEPS): the motion filter over `count` ROUNDED, inputs held a step."""
+    matrix, before, now = filter_step(max(count, 1) * ROUNDED / STEPS)
+    powers = [np.linalg.matrix_power(matrix, k) for k in range(STEPS, -1, -1)]
+    return powers[0], np.stack([p @ (before + now) for p in powers[1:]], axis=1)
+
+
+def crossing_inertia(inertia, usual, pose_share):
+    """
+    Return the inertia [kg m^2] that crosses a gap.
+
+    inertia: the link's at its pose; usual: its mean over poses; pose_share [-]: 1 when all of the
+    pose shows, near 0 when none does.
+    """
+    inertia, usual = np.maximum(inertia, LEAST_INERTIA), np.maximum(usual, LEAST_INERTIA)
+    return usual * (inertia / usual) ** pose_share
+
+
+class PlayState:
+    """
+    Follow the gap of one joint, and what its drive feels of it as the motion filter shows it.
+
+    Starts with the teeth together on the side that the torque pushes to. Gaps (m,) that the same
+    joint might have are followed beside one another.
+    """
+
+    def __init__(self):
+        self._torque = None  # [Nm] shown by the filter
+
+    def _start(self, torque, half):
+        self._torque, m = torque, len(half)
+        self._ahead = np.full(m, torque)  # as the teeth have it
+        self._rate = None
+        self._place, self._speed = np.copysign(half, torque), np.zeros(m)
+        self._apart, self._impact = np.zeros(m, dtype=bool), np.zeros(m)
+        self._shown = np.zeros((3, m))
+
+    def update(self, torque, inertia, travel, lag, impact, dt):
+        """
+        Return the torque (m,) [Nm] that play adds to the drive's, after dt [s].
+
+        torque [Nm] that the gear has to carry, of the filtered motion; inertia (m,) [kg m^2] that
+        crosses; travel (m,) [rad] of the gap; lag (m,) [s] of the torque between the teeth behind
+        it, a first-order one, by which they part late; impact (m,) [s]: time constant in which the
+        teeth take the link's momentum.
+        """
+        half = 0.5 * travel
+        if self._torque is None:
+            self._start(torque, half)
+            return self._shown[2]
+        before, ahead = self._ahead, self._at_the_teeth(torque, lag, dt)
+        matrix, gains = _filter(round(dt / ROUNDED))
+        self._shown = matrix @ self._shown
+        if (self._apart | (before * self._place < 0.0) | (ahead * self._place < 0.0)
+                | (self._impact != 0.0)).any():
+            slope, step = (ahead - before) / STEPS, dt / STEPS
+            keep = np.exp(-step / impact)
+            felt = np.stack([self._cross(before + (k + 0.5) * slope, inertia, half, step, keep)
+                             for k in range(STEPS)])
+            self._shown = self._shown + gains @ felt
+            self._impact = np.where(np.abs(self._impact) > LEAST_IMPACT, self._impact, 0.0)
+        return self._shown[2]
+
+    def _at_the_teeth(self, torque, lag, dt):
+        """Return the torque (m,) [Nm] that parts the teeth now."""
+        rate = (torque - self._torque) / dt
+        bend = 0.0 if self._rate is None else (rate - self._rate) / dt
+        self._torque, self._rate = torque, rate
+        # What the filter shows is late: all of it taken off and the lag put on, (1 + STAGE s)^3
+        # over 1 + lag s, to second order.
+        lead = FILTER_DELAY - lag
+        self._ahead = torque + lead * rate + (3.0 * STAGE ** 2 - lag * lead) * bend
+        return self._ahead
+
+    def _cross(self, torque, inertia, half, step, keep):
+        """
+        Return the mean torque (m,) [Nm] over a step [s] under constant torques of the link.
+
+        keep (m,): share of an impact that is left after the step.
+        """
+        parted = self._apart | (torque * self._place < 0.0)
+        speed = self._speed + step * torque / inertia
+        place = self._place + 0.5 * step * (self._speed + speed)
+        flies = parted & (np.abs(place) < half)
+        struck = np.where(flies, 0.0, parted * (inertia * speed / step - torque))
+        place = np.where(flies, place, np.copysign(half, place))
+        self._place = np.where(parted, place, self._place)
+        self._speed, self._apart = np.where(flies, speed, 0.0), flies
+        self._impact = keep * self._impact + (1.0 - keep) * struck
+        return self._impact - flies * torque
+
+
+def play_along(torque, inertia, usual, dt, states=None):
+    """
+    Return play(joints, travels, lags, pose_shares, impacts): what gaps do along torque (N, n).
+
+    inertia (N, n) [kg m^2]: the links' along it; usual (n,): its mean over poses; dt (N,) [s].
+    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m), which
+    may hold a joint several times. states: PlayState (n) to carry on; new ones without.
+    """
+    def of(j, travel, lag, share, impact):
+        state = PlayState() if states is None else states[j]
+        moved = crossing_inertia(inertia[:, j, None], usual[j], share)
+        return np.array([state.update(tau, own, travel, lag, impact, step)
+                         for tau, own, step in zip(torque[:, j].tolist(), moved, dt.tolist())])
+
+    def play(joints, *gaps):
+        if np.ndim(joints) == 0:
+            return of(joints, *(np.full(1, value) for value in gaps))[:, 0]
+        out = np.zeros((len(torque), len(joints)))
+        for j in np.unique(joints):
+            own = joints == j
+            out[:, own] = of(j, *(values[own] for values in gaps))
+        return out
+    return play
