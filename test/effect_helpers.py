@@ -8,7 +8,7 @@ from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.torque.columns import effect_slices, EffectUse, parameter_count
 from hand_load_estimator.torque.lateness import lateness
-from hand_load_estimator.torque.play import play_along
+from hand_load_estimator.torque.play import PlayAlong
 from hand_load_estimator.torque.shown_friction import shown_along
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
@@ -39,7 +39,7 @@ def inputs(n=4, count=60, seed=0):
         q, v, a, warmth, rng.uniform(-1, 1, shape),
         10.0 * rng.normal(size=shape), rng.normal(size=shape), torque, rng.normal(size=shape),
         rng.normal(size=(*shape, 2)), lateness(torque, dt),
-        play_along(torque, 2.0 + np.zeros(shape), np.full(n, 2.0), dt),
+        PlayAlong(((torque, 2.0 + np.zeros(shape), dt),), np.full(n, 2.0)),
         shown_along(q, v, a, dt, warmth))
 
 

@@ -13,7 +13,7 @@ from hand_load_estimator.effects import DESCRIBED, EFFECTS, EffectInput
 from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, EffectUse,
                                                 parameter_count, torque_columns)
 from hand_load_estimator.torque.lateness import lateness
-from hand_load_estimator.torque.play import play_along
+from hand_load_estimator.torque.play import PlayAlong
 
 ALWAYS = ('q', 'v', 'a', 'warmth', 'z')
 
@@ -70,8 +70,8 @@ def test_another_joint_changes_nothing(name):
             mixed[field][:, 2] = getattr(x, field)[:, 2]
     dt = np.full(60, DT)
     mixed = EffectInput(**mixed, late=lateness(mixed['drive'], dt),
-                        play=play_along(mixed['drive'], 2.0 + np.zeros((60, 4)), np.full(4, 2.0),
-                                        dt))
+                        play=PlayAlong(((mixed['drive'], 2.0 + np.zeros((60, 4)), dt),),
+                                       np.full(4, 2.0)))
     np.testing.assert_allclose(of_joint(effect, mixed, 2), of_joint(effect, x, 2))
     assert of_joint(effect, x, 1).shape == of_joint(effect, x, 2).shape
 

@@ -3,18 +3,29 @@
 import numpy as np
 import pytest
 
-from hand_load_estimator.torque.play import crossing_inertia, FILTER_DELAY, play_along, PlayState
+from hand_load_estimator.torque.play import crossing_inertia, FILTER_DELAY, PlayAlong, PlayState
 
 DT, INERTIA = 0.02, 4.0
 FINE = 0.004  # [s] sums over samples are integrals there
 AT_ONCE = 1e-6  # [s]
+# Of two joints, and gaps that they might have.
+USUAL, JOINTS = [1.4, 1.6], np.array([1, 0, 1])
+GAPS = [np.array(values) for values in (
+    [0.01, 0.02, 0.03], [0.0, 0.01, 0.02], [1.0, 0.5, 0.1], [1e-6, 0.005, 0.02])]
+
+
+def random_recording(count, seed):
+    """Return torque, inertia (N, 2) and dt (N,) of a recording."""
+    rng = np.random.default_rng(seed)
+    torque, dt = np.cumsum(rng.normal(size=(count, 2)), axis=0), rng.uniform(0.01, 0.03, count)
+    return torque, rng.uniform(1.0, 2.0, (count, 2)), dt
 
 
 def added(torque, travel, dt=DT, lag=0.0, inertia=INERTIA, impact=AT_ONCE):
     """Return the torque (N,) [Nm] that play adds along torque (N,) [Nm]."""
     column, steps = np.asarray(torque, dtype=float)[:, None], np.full(len(torque), dt)
-    return play_along(column, np.full_like(column, inertia), [inertia], steps)(
-        0, travel, lag, 1.0, impact)
+    along = PlayAlong(((column, np.full_like(column, inertia), steps),), [inertia])
+    return along(0, travel, lag, 1.0, impact)
 
 
 def test_a_gear_loaded_to_one_side_shows_no_play():
@@ -85,21 +96,24 @@ def test_the_teeth_part_when_their_own_torque_turns(lag):
 
 def test_play_is_followed_sample_by_sample():
     """... and gaps that a joint might have beside one another are each what they are alone."""
-    rng = np.random.default_rng(0)
-    torque, dt = np.cumsum(rng.normal(size=(200, 2)), axis=0), rng.uniform(0.01, 0.03, 200)
-    inertia, usual = rng.uniform(1.0, 2.0, (200, 2)), [1.4, 1.6]
-    joints = np.array([1, 0, 1])
-    gaps = ([0.01, 0.02, 0.03], [0.0, 0.01, 0.02], [1.0, 0.5, 0.1], [1e-6, 0.005, 0.02])
-    gaps = [np.array(values) for values in gaps]
-    whole = play_along(torque, inertia, usual, dt)(joints, *gaps)
+    recording = random_recording(200, seed=0)
+    whole = PlayAlong((recording,), USUAL)(JOINTS, *GAPS)
     states = [PlayState(), PlayState()]
-    parts = [play_along(torque[k:k + 1], inertia[k:k + 1], usual, dt[k:k + 1], states)(
-        joints, *gaps) for k in range(200)]
+    parts = [PlayAlong((tuple(rows[k:k + 1] for rows in recording),), USUAL, states)(JOINTS, *GAPS)
+             for k in range(200)]
     assert whole.shape == (200, 3) and np.abs(whole).max() > 0.1
     np.testing.assert_allclose(np.concatenate(parts), whole)
-    for column, joint, *gap in zip(whole.T, joints, *gaps):
-        alone = play_along(torque, inertia, usual, dt)(joint, *gap)
+    for column, joint, *gap in zip(whole.T, JOINTS, *GAPS):
+        alone = PlayAlong((recording,), USUAL)(joint, *gap)
         np.testing.assert_allclose(column, alone, atol=1e-12)
+
+
+def test_recordings_are_each_what_they_are_alone():
+    """... whatever their lengths and the times between their samples."""
+    several = [random_recording(count, seed) for seed, count in enumerate((200, 50, 120))]
+    alone = [PlayAlong((recording,), USUAL)(JOINTS, *GAPS) for recording in several]
+    np.testing.assert_allclose(PlayAlong(tuple(several), USUAL)(JOINTS, *GAPS),
+                               np.concatenate(alone), atol=1e-12)
 
 
 def test_the_pose_shows_as_much_as_told():

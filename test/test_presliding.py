@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.motion import MotionFilter
-from hand_load_estimator.torque.presliding import (presliding_path, PreslidingState, REST_TIME,
-                                                   stuck_density, turned)
+from hand_load_estimator.torque.presliding import (presliding_path, presliding_paths,
+                                                   PreslidingState, REST_TIME, stuck_density,
+                                                   turned)
 
 S = 1e-3
 
@@ -57,6 +58,17 @@ def test_joints_with_and_without_a_power_are_followed_together():
     np.testing.assert_allclose(both[:, 0], plain[:, 0], atol=1e-12)
     np.testing.assert_array_equal(doubt, same)
     assert np.abs(both[:, 1] - plain[:, 1]).max() > 0.05
+
+
+def test_recordings_followed_together_are_each_what_they_are_alone():
+    """... whatever their lengths, times between samples and rests."""
+    rng, ways = np.random.default_rng(4), (np.array([S, 2 * S]), np.array([np.inf, 2.0]))
+    motions = [(np.cumsum(rng.normal(0.0, 4e-4, (count, 2)) * moving, axis=0),
+                0.1 * moving * np.ones((count, 2)), rng.uniform(0.005, 0.03, count))
+               for count, moving in ((200, 1.0), (60, 0.0), (120, 1.0))]
+    for motion, together in zip(motions, presliding_paths(motions, *ways)):
+        for alone, one in zip(presliding_path(*motion, *ways), together):
+            np.testing.assert_array_equal(one, alone)
 
 
 def test_the_path_counts_and_not_its_sampling():

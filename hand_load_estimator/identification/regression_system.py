@@ -5,7 +5,7 @@ from copy import copy
 import numpy as np
 
 from ..effects import LATE
-from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, motion_input,
+from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, motion_inputs,
                               presliding_distances, presliding_powers, torque_columns)
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.presliding import stuck_density
@@ -26,7 +26,7 @@ class System:
         self.robot = robot
         distance, power = presliding_distances(robot.n, uses), presliding_powers(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
-        inputs = [motion_input(robot, e.motion, distance, power) for e in evidence]
+        inputs = motion_inputs(robot, [e.motion for e in evidence], distance, power)
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.load)

@@ -8,11 +8,12 @@ from ..effects import EFFECTS, EffectInput, LATE
 from ..effects.effect import SLOWEST
 from ..identification.evidence import recording_numbers
 from ..motion import smeared
-from ..torque.columns import (EffectUse, gear_torque, motion_input, play_columns, tilt_columns,
+from ..torque.columns import (EffectUse, gear_torque, motion_inputs, play_columns, tilt_columns,
                               torque_columns)
 from ..torque.filtered_noise import noise_floor, white_density
 from ..torque.lateness import as_reported, change_when_late, lateness
-from ..torque.presliding import presliding_path, stuck_density
+from ..torque.play import PlayAlong
+from ..torque.presliding import presliding_paths, stuck_density
 from ..torque.shown_friction import ShownAlong
 from ..torque.sliding import surely_slides
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
@@ -106,10 +107,11 @@ class Residual:
         n, count = self.residual.shape[1], len(ways)
         if not count:
             return
-        parts = [presliding_path(np.tile(self.x.q[rows], count), np.tile(self.x.v[rows], count),
-                                 self.dt[rows], *np.repeat(ways, n, axis=0).T)[0]
-                 for rows in (np.flatnonzero(self.owner == k) for k in np.unique(self.owner))]
-        states = np.concatenate(parts)
+        recordings = (np.flatnonzero(self.owner == k) for k in np.unique(self.owner))
+        motions = [(np.tile(self.x.q[rows], count), np.tile(self.x.v[rows], count), self.dt[rows])
+                   for rows in recordings]
+        states = np.concatenate([z for z, _ in presliding_paths(
+            motions, *np.repeat(ways, n, axis=0).T)])
         self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
 
     def blocks(self, root=None):
@@ -140,7 +142,9 @@ def find_residual(model, evidence, cut=True):
     cut: into blocks, to compare hypotheses on.
     """
     root = uncertain_directions(model, DIRECTIONS, 0)
-    parts = [_of_recording(model, root, e, cut) for e in evidence]
+    inputs = motion_inputs(model.robot, [e.motion for e in evidence], model.presliding_distance(),
+                           model.presliding_power())
+    parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
@@ -165,7 +169,8 @@ def _joined_input(parts):
     names = [name for name in EffectInput.__dataclass_fields__
              if name not in ('late', 'play', 'shown') and getattr(parts[0], name) is not None]
     late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
-    play = parts[0].play and (lambda *gap: np.concatenate([p.play(*gap) for p in parts]))
+    play = parts[0].play and PlayAlong(tuple(own for p in parts for own in p.play.parts),
+                                       parts[0].play.usual)
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
         play=play, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts)))
@@ -182,11 +187,13 @@ def _doubt(model, root, columns, x, temperature):
     return (nuisance_columns(columns, root, drift, x.z, x.v) ** 2).sum(axis=2)
 
 
-def _of_recording(model, root, evidence, compared):
-    """Return the row-wise fields of a Residual for one recording, to compare hypotheses or not."""
-    robot, motion = model.robot, evidence.motion
-    x, doubt = motion_input(robot, motion, model.presliding_distance(),
-                            model.presliding_power())
+def _of_recording(model, root, evidence, given, compared):
+    """
+    Return the row-wise fields of a Residual for one recording, to compare hypotheses or not.
+
+    given: what motion_inputs has of it.
+    """
+    robot, motion, (x, doubt) = model.robot, evidence.motion, given
     columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.load)
     if compared:
         x = _complete(model, x, columns, motion.dt, evidence.load)

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..effects import EFFECTS, EffectInput, LATE
 from .lateness import lateness
-from .play import play_along
-from .presliding import presliding_path
+from .play import PlayAlong
+from .presliding import presliding_paths
 from .shown_friction import shown_along
 from .shown_links import shown_links_and_way
 
@@ -230,7 +230,7 @@ def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
         return lambda joints, *_: np.zeros((len(q), *np.shape(joints)))
     inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
     states, believed = teeth
-    return play_along(gear + believed, inertia, robot.usual_inertia, dt, states)
+    return PlayAlong(((gear + believed, inertia, dt),), robot.usual_inertia, states)
 
 
 def tilt_columns(robot, layout, q, mean):
@@ -249,11 +249,19 @@ def motion_input(robot, motion, distance, power=None):
 
     distance (n,) [rad], power (n,): of presliding.PreslidingState.
     """
-    z, doubt = presliding_path(motion.q, motion.v, motion.dt, distance, power)
+    return motion_inputs(robot, [motion], distance, power)[0]
+
+
+def motion_inputs(robot, motions, distance, power=None):
+    """Return [(EffectInput, doubt (N, n))] of motion_input for several Motions at once."""
+    paths = presliding_paths([(m.q, m.v, m.dt) for m in motions], distance, power)
+    return [(_input(robot, motion, z), doubt) for motion, (z, doubt) in zip(motions, paths)]
+
+
+def _input(robot, motion, z):
     warmth = warmth_of(robot, motion.temperature)
     shown = shown_along(motion.q, motion.v, motion.a, motion.dt, warmth, motion.jerk)
-    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown,
-                       jerk=motion.jerk), doubt
+    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown, jerk=motion.jerk)
 
 
 def real_torque(robot, q, effort):

@@ -13,11 +13,13 @@ matrix's, which an arm's pose changes many times over; joints behind that give w
 How much of the pose shows is therefore a figure of the gap, like its travel.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ..motion import BANDWIDTH, filter_step
+from .side_by_side import side_by_side
 
 # Steps of a crossing within a sample: two milliseconds at the motion filter's rate.
 STEPS = 10
@@ -40,6 +42,17 @@ def _filter(count):
     return powers[0], np.stack([p @ (before + now) for p in powers[1:]], axis=1)
 
 
+def _shown(stages, felt, dt):
+    """Return the filter's stages (3, m) after dt (m,) under torques felt (STEPS, m), or none."""
+    out, counts = np.empty_like(stages), np.round(dt / ROUNDED).astype(int)
+    for count in np.unique(counts).tolist():
+        own, (matrix, gains) = counts == count, _filter(count)
+        out[:, own] = matrix @ stages[:, own]
+        if felt is not None:
+            out[:, own] += gains @ felt[:, own]
+    return out
+
+
 def crossing_inertia(inertia, usual, pose_share):
     """
     Return the inertia [kg m^2] that crosses a gap.
@@ -53,10 +66,10 @@ def crossing_inertia(inertia, usual, pose_share):
 
 class PlayState:
     """
-    Follow the gap of one joint, and what its drive feels of it as the motion filter shows it.
+    Follow gaps (m,), and what their drives feel of them as the motion filter shows it.
 
-    Starts with the teeth together on the side that the torque pushes to. Gaps (m,) that the same
-    joint might have are followed beside one another.
+    Each starts with the teeth together on the side that its torque pushes to. They may be of
+    several joints, or what one joint might have.
     """
 
     def __init__(self):
@@ -64,7 +77,7 @@ class PlayState:
 
     def _start(self, torque, half):
         self._torque, m = torque, len(half)
-        self._ahead = np.full(m, torque)  # as the teeth have it
+        self._ahead = torque  # as the teeth have it
         self._rate = None
         self._place, self._speed = np.copysign(half, torque), np.zeros(m)
         self._apart, self._impact = np.zeros(m, dtype=bool), np.zeros(m)
@@ -72,28 +85,27 @@ class PlayState:
 
     def update(self, torque, inertia, travel, lag, impact, dt):
         """
-        Return the torque (m,) [Nm] that play adds to the drive's, after dt [s].
+        Return the torque (m,) [Nm] that play adds to the drives', after dt (m,) [s].
 
-        torque [Nm] that the gear has to carry, of the filtered motion; inertia (m,) [kg m^2] that
-        crosses; travel (m,) [rad] of the gap; lag (m,) [s] of the torque between the teeth behind
-        it, a first-order one, by which they part late; impact (m,) [s]: time constant in which the
-        teeth take the link's momentum.
+        torque (m,) [Nm] that the gears have to carry, of the filtered motion; inertia (m,)
+        [kg m^2] that crosses; travel (m,) [rad] of the gap; lag (m,) [s] of the torque between the
+        teeth behind it, a first-order one, by which they part late; impact (m,) [s]: time constant
+        in which the teeth take the link's momentum.
         """
         half = 0.5 * travel
         if self._torque is None:
             self._start(torque, half)
             return self._shown[2]
         before, ahead = self._ahead, self._at_the_teeth(torque, lag, dt)
-        matrix, gains = _filter(round(dt / ROUNDED))
-        self._shown = matrix @ self._shown
+        felt = None
         if (self._apart | (before * self._place < 0.0) | (ahead * self._place < 0.0)
                 | (self._impact != 0.0)).any():
             slope, step = (ahead - before) / STEPS, dt / STEPS
             keep = np.exp(-step / impact)
             felt = np.stack([self._cross(before + (k + 0.5) * slope, inertia, half, step, keep)
                              for k in range(STEPS)])
-            self._shown = self._shown + gains @ felt
             self._impact = np.where(np.abs(self._impact) > LEAST_IMPACT, self._impact, 0.0)
+        self._shown = _shown(self._shown, felt, dt)
         return self._shown[2]
 
     def _at_the_teeth(self, torque, lag, dt):
@@ -125,26 +137,42 @@ class PlayState:
         return self._impact - flies * torque
 
 
-def play_along(torque, inertia, usual, dt, states=None):
+@dataclass(frozen=True)
+class PlayAlong:
     """
-    Return play(joints, travels, lags, pose_shares, impacts): what gaps do along torque (N, n).
+    play(joints, travels, lags, pose_shares, impacts) of EffectInput along recordings.
 
-    inertia (N, n) [kg m^2]: the links' along it; usual (n,): its mean over poses; dt (N,) [s].
-    Torques [Nm] as of PlayState.update: for one joint (N,), for arrays of m joints (N, m), which
-    may hold a joint several times. states: PlayState (n) to carry on; new ones without.
+    parts: (torque [Nm], inertia [kg m^2] (N, n), dt (N,) [s]) of each, one after the other;
+    inertia: the links' along it; usual (n,): its mean over poses. Arguments of a call as of
+    PlayState.update: for one joint (N,), for arrays of m joints (N, m), which may hold a joint
+    several times. states: PlayState (n) to carry on along one recording; new ones without.
     """
-    def of(j, travel, lag, share, impact):
-        state = PlayState() if states is None else states[j]
-        moved = crossing_inertia(inertia[:, j, None], usual[j], share)
-        return np.array([state.update(tau, own, travel, lag, impact, step)
-                         for tau, own, step in zip(torque[:, j].tolist(), moved, dt.tolist())])
 
-    def play(joints, *gaps):
-        if np.ndim(joints) == 0:
-            return of(joints, *(np.full(1, value) for value in gaps))[:, 0]
-        out = np.zeros((len(torque), len(joints)))
-        for j in np.unique(joints):
-            own = joints == j
-            out[:, own] = of(j, *(values[own] for values in gaps))
-        return out
-    return play
+    parts: tuple
+    usual: np.ndarray
+    states: list | None = None
+
+    def __call__(self, joints, *gaps):
+        several = np.broadcast_arrays(*map(np.atleast_1d, (joints, *gaps)))
+        if self.states is None:
+            found = self._along(PlayState(), *several)
+        else:
+            found = np.zeros((len(self.parts[0][0]), len(several[0])))
+            for j in np.unique(several[0]):
+                own = several[0] == j
+                found[:, own] = self._along(self.states[j], *(values[own] for values in several))
+        return found[:, 0] if np.ndim(joints) == 0 else found
+
+    def _along(self, state, joints, travel, lag, share, impact):
+        """Return what gaps (m,) do along all parts, one after the other: (N, m)."""
+        count, m = len(self.parts), len(joints)
+        usual = np.asarray(self.usual)[joints]
+        # All parts at once: one step costs about the same for a few gaps and for many.
+        rows = side_by_side([(torque[:, joints], crossing_inertia(inertia[:, joints], usual, share),
+                              np.repeat(dt[:, None], m, axis=1))
+                             for torque, inertia, dt in self.parts])
+        gaps = [np.tile(values, count) for values in (travel, lag, impact)]
+        out = np.array([state.update(torque, inertia, *gaps, dt)
+                        for torque, inertia, dt in zip(*rows)])
+        return np.concatenate([out[:len(part[2]), k * m:k * m + m]
+                               for k, part in enumerate(self.parts)])

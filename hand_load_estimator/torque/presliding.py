@@ -12,6 +12,7 @@ The state z in [-1, 1] is a function of the path alone, except for the value it 
 import numpy as np
 
 from ..motion import DELAY, smeared
+from .side_by_side import side_by_side
 
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
@@ -116,9 +117,18 @@ def doubt_after(rest):
 
 def presliding_path(q, v, dt, distance, power=None):
     """Return z and doubt (N, n) along q, v (N, n) sampled dt (N,) apart."""
-    state = PreslidingState(distance, power)
-    pairs = [state.update(*row) for row in zip(q, v, dt)]
-    return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
+    return presliding_paths([(q, v, dt)], distance, power)[0]
+
+
+def presliding_paths(motions, distance, power=None):
+    """Return [(z, doubt)] of presliding_path for several motions (q, v, dt) at once."""
+    count, n = len(motions), len(distance)
+    state = PreslidingState(np.tile(distance, count),
+                            None if power is None else np.tile(power, count))
+    rows = side_by_side([(q, v, np.repeat(dt[:, None], n, axis=1)) for q, v, dt in motions])
+    pairs = [state.update(*row) for row in zip(*rows)]
+    return [tuple(np.array([pair[which][n * k:n * k + n] for pair in pairs[:len(q)]])
+                  for which in range(2)) for k, (q, *_) in enumerate(motions)]
 
 
 def stuck_variance(z, doubt, v, a, level):

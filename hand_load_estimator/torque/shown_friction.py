@@ -17,6 +17,7 @@ import numpy as np
 
 from ..motion import BANDWIDTH, filter_step
 from .presliding import DEAD_BAND, turned
+from .side_by_side import side_by_side
 from .stribeck_curve import left
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
@@ -147,19 +148,13 @@ class ShownAlong:
                               *(np.tile(other, count) for other in others))
         out = [np.empty((len(dt), len(joints))) for *_, dt in self.parts]
         stages, times = np.zeros((count, 3, len(joints))), [dt.tolist() for *_, dt in self.parts]
-        for i, row in enumerate(zip(*self._side_by_side())):
+        for i, row in enumerate(zip(*side_by_side([part[:3] for part in self.parts]))):
             friction = state.bend(*row).reshape(STEPS + 1, count, len(joints))
             for k in range(count):
                 if i < len(times[k]):
                     stages[k] = _filtered(stages[k], friction[:, k], times[k][i])
                     out[k][i] = stages[k, 2]
         return out
-
-    def _side_by_side(self):
-        """Return q, v and warmth (N, n of all parts); shorter ones stay where they ended."""
-        longest = max(len(dt) for *_, dt in self.parts)
-        return [np.hstack([np.pad(part[k], ((0, longest - len(part[k])), (0, 0)), 'edge')
-                           for part in self.parts]) for k in range(3)]
 
 
 def shown_along(q, v, a, dt, warmth, jerk=None):
