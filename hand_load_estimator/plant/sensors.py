@@ -20,7 +20,8 @@ class Sensors:
 
     def measure(self, position, velocity, torque, temperature):
         """Return position, velocity, effort (n,) of true values and motor temperature (n,)."""
-        noise = self._sigma * self._rng.standard_normal(self._sigma.shape)
+        noise = self._rng.standard_normal(self._sigma.shape)
+        noise *= self._sigma
         measured = _rounded(position + noise[0], self._difficulty.position_quantum)
         effort = self.reported(torque, temperature, position) + noise[2]
         return (measured, velocity + noise[1],
@@ -45,6 +46,7 @@ class Sensors:
 
 
 def _rounded(value, quantum):
-    """Round to multiples of quantum; no quantum, no rounding."""
-    step = np.where(quantum > 0.0, quantum, 1.0)
-    return np.where(quantum > 0.0, np.round(value / step) * step, value)
+    """Round to multiples of quantum, a figure or (n,) of them; no quantum, no rounding."""
+    if not np.count_nonzero(quantum):
+        return value
+    return np.rint(value / quantum) * quantum
