@@ -112,6 +112,15 @@ def test_page_says(read, words):
     assert words in read.words()
 
 
+def test_page_says_of_a_rival_that_gains_more_why_it_is_second():
+    finding = found().findings[0]
+    evidence = dataclasses.replace(finding.evidence, margin=-676.0)
+    said = diagnosis_page.page(dataclasses.replace(
+        found(), findings=(dataclasses.replace(finding, evidence=evidence),)))
+    assert 'Next best explanation: cable drag, 676 nats ahead, but no plainer.' in said
+    assert '−676' not in said
+
+
 def left_over(parameters):
     """Return structure that follows time only, with a picture and no fit."""
     time = np.linspace(0.0, 9.0, 200)

@@ -9,8 +9,8 @@ from ..residual.confusable import NO_KNOWN_MOTION, NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from .diagnosis_figures import effect_svg
 from .page_parts import html_image, html_table
-from .words import (as_sentence, items_html, label_html, list_text, name_words, number_text,
-                    quantity_html, share_text)
+from .words import (as_sentence, behind_text, items_html, label_html, list_text, name_words,
+                    number_text, quantity_html, share_text)
 
 _UNKNOWN = ('None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
             'it repeats with the variables shown below. A person who knows the drive should look '
@@ -130,7 +130,7 @@ def _evidence(finding, joints):
             f'What is left: {number_text(e.rms)} Nm RMS at the strongest joint.'])
     rival = 'No other explanation came close enough to be named.'
     if e.next_best is not None:
-        behind = f', {number_text(e.margin)} nats behind' if e.margin is not None else ''
+        behind = f', {behind_text(e.margin)}' if e.margin is not None else ''
         rival = f'Next best explanation: {escape(name_words(e.next_best))}{behind}.'
     return '<h3>Evidence</h3>' + items_html([
         _gain(finding), rival,
@@ -154,7 +154,7 @@ def _other_html(other, finding):
         text += f' of {list_text(map(label_html, other.joints))}'
     if not math.isfinite(other.std):
         return text
-    return f'{text} ({number_text(other.behind)} ± {number_text(2.0 * other.std)} nats behind)'
+    return f'{text} ({behind_text(other.behind, other.std)})'
 
 
 def _advice(finding):
