@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import HandLoadError
-from ..files.shared_files import share_folder
+from ..files.shared_files import PACKAGE, share_folder
 from ..load import LoadParameters
 from ..seeds import SHIPPED_MODEL_PLANT
 
@@ -77,7 +77,7 @@ class NodeProcesses:
                          for part in ('-p', f'{key}:={_yaml(value)}')]
             with open(self.log(name), 'wb') as log:
                 self._processes[name] = subprocess.Popen(
-                    [sys.executable, '-m', f'{__package__}.nodes.{name}_node', '--ros-args',
+                    [sys.executable, '-m', f'{PACKAGE}.nodes.{name}_node', '--ros-args',
                      '--params-file', str(share_folder() / 'config' / f'{name}.yaml'),
                      *arguments],
                     stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
