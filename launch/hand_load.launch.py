@@ -30,43 +30,52 @@ def _params_file(name):
     return _argument(f'{name}_params', default, f'parameter file of the {name}')
 
 
-def _node(name, condition=None, **fixed):
-    """Return a Node action; the parameters given here win over the file's."""
+def _node(name, *given):
+    """Return a Node action; parameters {name: value} that are given win over the file's."""
     return Node(
         package=PACKAGE, executable=f'{name}_node', name=name,
-        namespace=LaunchConfiguration('namespace'), output='screen', condition=condition,
+        namespace=LaunchConfiguration('namespace'), output='screen',
         parameters=[ParameterFile(LaunchConfiguration(f'{name}_params'), allow_substs=True),
-                    {'robot': ParameterValue(LaunchConfiguration('robot'), value_type=str),
-                     **fixed}])
+                    *filter(None, given)])
 
 
-def _nodes_with_model(context):
-    """Return estimator and controller; without the argument `model` their files' one holds."""
-    fixed = {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}
-    model = LaunchConfiguration('model').perform(context)
-    if model:
-        fixed['model'] = ParameterValue(model, value_type=str)
-    return [_node('estimator', **fixed),
-            _node('controller', IfCondition(LaunchConfiguration('control')), **fixed)]
+def _nodes(context):
+    """Return the nodes asked for; what no argument says, their parameter files say."""
+    simulated = LaunchConfiguration('simulate').perform(context) == 'true'
+    robot = _text('robot', LaunchConfiguration('robot').perform(context))
+    model = _text('model', LaunchConfiguration('model').perform(context))
+    sim_time = LaunchConfiguration('use_sim_time').perform(context)
+    # A node that waits for a /clock of nobody does nothing.
+    clock = {'use_sim_time': sim_time != 'false'} if sim_time or simulated else {}
+    nodes = [_node('estimator', robot, model, clock)]
+    if simulated:
+        nodes.append(_node('simulator', robot))
+    if LaunchConfiguration('control').perform(context) == 'true':
+        nodes.append(_node('controller', robot, model, clock))
+    return nodes
+
+
+def _text(name, value):
+    return {name: ParameterValue(value, value_type=str)} if value else {}
 
 
 def generate_launch_description():
     """Return the launch description; `ros2 launch ... --show-args` lists the arguments."""
     return LaunchDescription([
-        _argument('robot', 'ur10e', 'robot file: a path, or the short name of a shipped one'),
+        _argument('robot', '', 'robot file: a path, or the short name of a shipped one; '
+                  'empty: as the parameter files say'),
         _argument('model', '', 'torque model file: a path, or the short name of a shipped one; '
                   'empty: as the parameter files say'),
         _argument('namespace', '', 'namespace of all nodes and topics'),
         _switch('simulate', 'false', 'start the simulator in place of an arm: only where no arm '
                 'and no driver of one is on the same ROS domain'),
-        # With it unless told otherwise: a node that waits for a /clock of nobody does nothing.
-        _switch('use_sim_time', LaunchConfiguration('simulate'), 'time comes from /clock'),
+        _argument('use_sim_time', '', 'time comes from /clock; empty: as the parameter files say, '
+                  'and true with simulate', ['true', 'false', '']),
         _switch('control', 'false', 'start the controller, which moves the arm after '
                 'controller/start between the waypoints of controller_params'),
         _switch('record', 'false', 'record the topics of the interface to a rosbag2 (MCAP)'),
         *(_params_file(name) for name in ('simulator', 'estimator', 'controller')),
-        _node('simulator', IfCondition(LaunchConfiguration('simulate'))),
-        OpaqueFunction(function=_nodes_with_model),
+        OpaqueFunction(function=_nodes),
         ExecuteProcess(
             cmd=['ros2', 'bag', 'record', '-s', 'mcap', *(
                 PathJoinSubstitution(['/', LaunchConfiguration('namespace'), topic])

@@ -262,29 +262,19 @@ def test_launch_file_declares_what_it_uses():
     assert nodes == {'simulator', 'estimator', 'controller'}
 
 
-def test_launch_file_moves_no_arm_and_makes_none_up_unless_told_to():
-    tree = ast.parse((ROOT / 'launch' / 'hand_load.launch.py').read_text())
-    default = {call.args[0].value: call.args[1] for call in ast.walk(tree)
-               if isinstance(call, ast.Call) and getattr(call.func, 'id', '') == '_switch'}
-    assert default['control'].value == default['simulate'].value == 'false'
-    # A node that waits for a /clock of nobody does nothing.
-    assert default['use_sim_time'].args[0].value == 'simulate'
+class Kept(SimpleNamespace):
+    """Stands in for anything of `launch`, and keeps what it is given."""
+
+    def __init__(self, *values, **named):
+        super().__init__(values=values, **named)
+
+    def perform(self, context):
+        return context[self.values[0]]
 
 
-@pytest.mark.parametrize('given, passed', [({}, None), ({'model': 'my.yaml'}, 'my.yaml')])
-def test_launch_file_hands_a_model_on_only_when_given(monkeypatch, given, passed):
-    """
-    With stand-ins of `launch`, which keep what they are given.
-
-    An empty model handed on would win over the one in a parameter file.
-    """
-    class Kept(SimpleNamespace):
-        def __init__(self, *values, **named):
-            super().__init__(values=values, **named)
-
-        def perform(self, context):
-            return context.get(self.values[0], '')
-
+@pytest.fixture
+def launched(monkeypatch):
+    """Return launched(**arguments) -> {node: parameters beside its file's}, without `launch`."""
     for name in ('launch', 'launch.actions', 'launch.conditions', 'launch.substitutions',
                  'launch_ros', 'launch_ros.actions', 'launch_ros.parameter_descriptions',
                  'launch_ros.substitutions'):
@@ -294,12 +284,35 @@ def test_launch_file_hands_a_model_on_only_when_given(monkeypatch, given, passed
     launch_file = runpy.run_path(ROOT / 'launch' / 'hand_load.launch.py')
     (actions,) = launch_file['generate_launch_description']().values
     (late,) = [action.function for action in actions if hasattr(action, 'function')]
-    nodes = late(given)
-    assert [node.name for node in nodes] == ['estimator', 'controller']
-    for node in nodes:
-        fixed = node.parameters[1]
-        assert (fixed['model'].values[0] if 'model' in fixed else None) == passed
-        assert {'robot', 'use_sim_time'} <= set(fixed)
+    default = {action.values[0]: action.default_value for action in actions
+               if hasattr(action, 'default_value')}
+
+    def launch(**arguments):
+        return {node.name: {name: getattr(value, 'values', [value])[0]
+                            for given in node.parameters[1:] for name, value in given.items()}
+                for node in late({**default, **arguments})}
+    return launch
+
+
+def test_launch_file_moves_no_arm_and_makes_none_up_unless_told_to(launched):
+    assert set(launched()) == {'estimator'}
+    assert set(launched(simulate='true')) == {'estimator', 'simulator'}
+    assert set(launched(control='true')) == {'estimator', 'controller'}
+
+
+def test_launch_file_leaves_to_parameter_files_what_nobody_gives(launched):
+    """What is handed on wins over the files: an empty model, or a robot that nobody asked for."""
+    assert launched(control='true') == {'estimator': {}, 'controller': {}}
+    mine = {'robot': 'my.yaml', 'model': 'model.yaml'}
+    assert launched(control='true', **mine) == {'estimator': mine, 'controller': mine}
+
+
+@pytest.mark.parametrize('given, passed', [('', True), ('false', False), ('true', True)])
+def test_launched_nodes_hear_the_simulators_clock_unless_told_otherwise(launched, given, passed):
+    nodes = launched(simulate='true', control='true', robot='my.yaml', use_sim_time=given)
+    assert nodes['simulator'] == {'robot': 'my.yaml'}
+    for name in ('estimator', 'controller'):
+        assert nodes[name] == {'robot': 'my.yaml', 'use_sim_time': passed}
 
 
 def test_scripts_run_in_bash_and_are_executable():
