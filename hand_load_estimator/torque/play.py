@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..motion import BANDWIDTH, filter_step
-from .side_by_side import side_by_side
+from .lock_step import lock_step
 
 # Steps of a crossing within a sample: two milliseconds at the motion filter's rate.
 STEPS = 10
@@ -43,13 +43,14 @@ def _filter(count):
 
 
 def _shown(stages, felt, dt):
-    """Return the filter's stages (3, m) after dt (m,) under torques felt (STEPS, m), or none."""
-    out, counts = np.empty_like(stages), np.round(dt / ROUNDED).astype(int)
-    for count in np.unique(counts).tolist():
-        own, (matrix, gains) = counts == count, _filter(count)
-        out[:, own] = matrix @ stages[:, own]
-        if felt is not None:
-            out[:, own] += gains @ felt[:, own]
+    """Return the filter's stages (3, m) after dt [s] or (m,) under felt (STEPS, m) or None."""
+    if np.ndim(dt) == 0:
+        matrix, gains = _filter(round(dt / ROUNDED))
+        return matrix @ stages + (0.0 if felt is None else gains @ felt)
+    out = np.empty_like(stages)
+    for step in np.unique(dt):
+        own = dt == step
+        out[:, own] = _shown(stages[:, own], None if felt is None else felt[:, own], step)
     return out
 
 
@@ -85,7 +86,7 @@ class PlayState:
 
     def update(self, torque, inertia, travel, lag, impact, dt):
         """
-        Return the torque (m,) [Nm] that play adds to the drives', after dt (m,) [s].
+        Return the torque (m,) [Nm] that play adds to the drives', after dt [s] or (m,).
 
         torque (m,) [Nm] that the gears have to carry, of the filtered motion; inertia (m,)
         [kg m^2] that crosses; travel (m,) [rad] of the gap; lag (m,) [s] of the torque between the
@@ -155,7 +156,7 @@ class PlayAlong:
     def __call__(self, joints, *gaps):
         several = np.broadcast_arrays(*map(np.atleast_1d, (joints, *gaps)))
         if self.states is None:
-            found = self._along(PlayState(), *several)
+            found = self._along(None, *several)
         else:
             found = np.zeros((len(self.parts[0][0]), len(several[0])))
             for j in np.unique(several[0]):
@@ -164,15 +165,17 @@ class PlayAlong:
         return found[:, 0] if np.ndim(joints) == 0 else found
 
     def _along(self, state, joints, travel, lag, share, impact):
-        """Return what gaps (m,) do along all parts, one after the other: (N, m)."""
-        count, m = len(self.parts), len(joints)
-        usual = np.asarray(self.usual)[joints]
-        # All parts at once: one step costs about the same for a few gaps and for many.
-        rows = side_by_side([(torque[:, joints], crossing_inertia(inertia[:, joints], usual, share),
-                              np.repeat(dt[:, None], m, axis=1))
-                             for torque, inertia, dt in self.parts])
-        gaps = [np.tile(values, count) for values in (travel, lag, impact)]
-        out = np.array([state.update(torque, inertia, *gaps, dt)
-                        for torque, inertia, dt in zip(*rows)])
-        return np.concatenate([out[:len(part[2]), k * m:k * m + m]
-                               for k, part in enumerate(self.parts)])
+        """Return what gaps (m,) do along all parts, of which only a single one has a state."""
+        usual, m = np.asarray(self.usual)[joints], len(joints)
+
+        def follow(numbers, rows):
+            own = state or PlayState()
+            gaps = [np.tile(values, len(numbers)) for values in (travel, lag, impact)]
+            return np.array([
+                own.update(torque, inertia, *gaps,
+                           dt[0] if (dt == dt[0]).all() else np.repeat(dt, m))
+                for torque, inertia, dt in zip(*rows)])
+
+        return np.concatenate(lock_step(
+            [(torque[:, joints], crossing_inertia(inertia[:, joints], usual, share), dt[:, None])
+             for torque, inertia, dt in self.parts], follow))

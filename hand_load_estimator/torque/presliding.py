@@ -12,7 +12,7 @@ The state z in [-1, 1] is a function of the path alone, except for the value it 
 import numpy as np
 
 from ..motion import DELAY, smeared
-from .side_by_side import side_by_side
+from .lock_step import lock_step
 
 # Movements below this [rad] are encoder noise and do not move the contacts.
 DEAD_BAND = 3e-5
@@ -122,13 +122,15 @@ def presliding_path(q, v, dt, distance, power=None):
 
 def presliding_paths(motions, distance, power=None):
     """Return [(z, doubt)] of presliding_path for several motions (q, v, dt) at once."""
-    count, n = len(motions), len(distance)
-    state = PreslidingState(np.tile(distance, count),
-                            None if power is None else np.tile(power, count))
-    rows = side_by_side([(q, v, np.repeat(dt[:, None], n, axis=1)) for q, v, dt in motions])
-    pairs = [state.update(*row) for row in zip(*rows)]
-    return [tuple(np.array([pair[which][n * k:n * k + n] for pair in pairs[:len(q)]])
-                  for which in range(2)) for k, (q, *_) in enumerate(motions)]
+    def follow(numbers, rows):
+        count = len(numbers)
+        state = PreslidingState(np.tile(distance, count),
+                                None if power is None else np.tile(power, count))
+        return np.array([state.update(*row) for row in zip(*rows)])
+
+    found = lock_step([(q, v, np.broadcast_to(dt[:, None], q.shape)) for q, v, dt in motions],
+                      follow)
+    return [(both[:, 0], both[:, 1]) for both in found]
 
 
 def stuck_variance(z, doubt, v, a, level):

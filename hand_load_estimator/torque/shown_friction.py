@@ -16,8 +16,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..motion import BANDWIDTH, filter_step
+from .lock_step import lock_step
 from .presliding import DEAD_BAND, turned
-from .side_by_side import side_by_side
 from .stribeck_curve import left
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
@@ -137,24 +137,24 @@ class ShownAlong:
 
     def __call__(self, *places):
         several = np.broadcast_arrays(*map(np.atleast_1d, places))
-        found = np.concatenate(self._shown(*several))
+        parts = [(q, v, warmth, dt[:, None]) for q, v, warmth, dt in self.parts]
+        found = np.concatenate(lock_step(
+            parts, lambda numbers, rows: self._follow(len(numbers), *several, rows)))
         return found if any(map(np.ndim, places)) else found[:, 0]
 
-    def _shown(self, joints, *others):
-        """Return friction (N, K) of each part."""
-        count, n = len(self.parts), self.parts[0][0].shape[1]
-        # All parts at once: one step costs about the same for a few places and for many.
+    def _follow(self, count, joints, *others):
+        """Return friction (L, K of all) of `count` parts."""
+        *others, rows = others
+        n = rows[0].shape[1] // count
         state = ShownFriction(np.concatenate([joints + k * n for k in range(count)]),
                               *(np.tile(other, count) for other in others))
-        out = [np.empty((len(dt), len(joints))) for *_, dt in self.parts]
-        stages, times = np.zeros((count, 3, len(joints))), [dt.tolist() for *_, dt in self.parts]
-        for i, row in enumerate(zip(*side_by_side([part[:3] for part in self.parts]))):
-            friction = state.bend(*row).reshape(STEPS + 1, count, len(joints))
-            for k in range(count):
-                if i < len(times[k]):
-                    stages[k] = _filtered(stages[k], friction[:, k], times[k][i])
-                    out[k][i] = stages[k, 2]
-        return out
+        stages, out = np.zeros((count, 3, len(joints))), []
+        for *motion, dt in zip(*rows):
+            friction = state.bend(*motion).reshape(STEPS + 1, count, len(joints))
+            stages = np.stack([_filtered(stages[k], friction[:, k], dt[k])
+                               for k in range(count)])
+            out.append(stages[:, 2].ravel())
+        return np.array(out)
 
 
 def shown_along(q, v, a, dt, warmth, jerk=None):
