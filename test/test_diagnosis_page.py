@@ -112,12 +112,12 @@ def test_page_says(read, words):
     assert words in read.words()
 
 
-def test_page_says_of_a_rival_that_gains_more_why_it_is_second():
+def test_page_says_that_a_rival_is_ahead():
     finding = found().findings[0]
     evidence = dataclasses.replace(finding.evidence, margin=-676.0)
     said = diagnosis_page.page(dataclasses.replace(
         found(), findings=(dataclasses.replace(finding, evidence=evidence),)))
-    assert 'Next best explanation: cable drag, 676 nats ahead, but no plainer.' in said
+    assert 'Next best explanation: cable drag, 676 nats ahead.' in said
     assert '−676' not in said
 
 

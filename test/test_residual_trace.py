@@ -245,15 +245,20 @@ def test_two_effects_of_one_joint_are_both_found():
     assert_repaired(diagnosis, 1)
 
 
-@pytest.mark.parametrize('effects', [
-    {'viscous_friction': viscous, 'coulomb_friction': constant_friction},
-    {'stribeck_friction': peak, 'temperature_dependent_coulomb_friction': warming}])
-def test_two_effects_that_look_like_a_third_together_are_both_found(effects):
+FRICTION = {'viscous_friction': viscous, 'coulomb_friction': constant_friction}
+
+
+@pytest.mark.parametrize('joint, times, effects', [
+    (1, 6.0, FRICTION), (2, 6.0, FRICTION), (2, 2.0, FRICTION),
+    (1, 6.0, {'stribeck_friction': peak, 'temperature_dependent_coulomb_friction': warming})])
+def test_two_effects_that_look_like_a_third_together_are_both_found(joint, times, effects):
     """A lubricant that thins or cools explains more than either of the two alone."""
-    diagnosis, _ = diagnosed(*(on(1, 6.0, effect) for effect in effects.values()))
-    assert told(diagnosis) == dict.fromkeys(effects, (declared_model().robot.joints[1],))
+    diagnosis, _ = diagnosed(*(on(joint, times, effect) for effect in effects.values()))
+    assert told(diagnosis) == dict.fromkeys(effects, (declared_model().robot.joints[joint],))
     assert len(diagnosis.findings) == 2
-    assert_repaired(diagnosis, 1)
+    assert_repaired(diagnosis, joint)
+    # Each is told from its rivals beside the other, in the same blocks.
+    assert all(f.evidence.margin is None or f.evidence.margin > -2.0 for f in diagnosis.findings)
 
 
 def test_what_has_no_name_is_unknown_with_its_variable():

@@ -60,7 +60,7 @@ def side_by_side(*columns):
     return out
 
 
-# [-] A search that goes to an end of a shape stops so near it.
+# [-] So near an end of a shape a search may stop: the last steps to it gain hardly a nat.
 AT_END = 0.05
 
 

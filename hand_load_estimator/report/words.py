@@ -18,9 +18,7 @@ def number_text(number):
 def behind_text(nats, std=None):
     """Return how far another explanation is behind, in words; less than nothing is ahead."""
     band = '' if std is None else f' ± {number_text(2.0 * std)}'
-    # One that gains more is named second only where it is no plainer.
-    return (f'{number_text(abs(nats))}{band} nats '
-            f'{"behind" if nats >= 0.0 else "ahead, but no plainer"}')
+    return f'{number_text(abs(nats))}{band} nats {"ahead" if nats < 0.0 else "behind"}'
 
 
 def share_text(fraction):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import EFFECTS, LATE, LINK_INERTIA
+from ..effects import EFFECTS, LINK_INERTIA
 from ..effects.knee import KNEE
 from .candidate import ahead, hypotheses_of, significant
 from .confusable import advice, NO_MOTION, same_torque
@@ -29,9 +29,8 @@ def findings_of(model, better, trace, odd=()):
     found = []
     for step in trace.steps:
         blocks = trace.beside(step)
-        again = trace.still_gains(step)
-        found.append(_finding((model, better), trace.residual, trace, step, again, blocks, odd,
-                              _shape_std(again, blocks, model, trace.residual)))
+        found.append(_finding((model, better), trace, step, blocks, odd,
+                              _shape_std(step.chosen, blocks, model, trace.residual)))
     return tuple(found)
 
 
@@ -45,8 +44,8 @@ def _shape_std(candidate, blocks, model, residual):
     return found
 
 
-def _finding(models, residual, trace, step, again, blocks, odd, searched):
-    (model, better), chosen = models, replace(step.chosen, parts=again.parts)
+def _finding(models, trace, step, blocks, odd, searched):
+    (model, better), chosen, residual = models, step.chosen, trace.residual
     robot = model.robot
     torque = chosen.torque(robot.n)
     # What else was fitted is fitted again without the effect, and beside it.
@@ -54,12 +53,12 @@ def _finding(models, residual, trace, step, again, blocks, odd, searched):
     partial = np.stack([blocks.left_over(j, torque[:, j]) for j in range(robot.n)], axis=1)
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
-    sure = significant(again) and (chosen.name == UNKNOWN) == (main in odd)
+    sure = significant(chosen) and (chosen.name == UNKNOWN) == (main in odd)
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),
         _explained(without, partial - torque, residual.weights),
-        _evidence(robot.joints, residual, trace, step, again, torque), _alternatives(robot, step),
+        _evidence(robot.joints, trace, step, torque), _alternatives(robot, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
@@ -118,16 +117,15 @@ def _main_joint(finding, joints):
     return max(finding.joints, key=lambda name: finding.explained[joints.index(name)])
 
 
-def _evidence(joints, residual, trace, step, again, torque):
+def _evidence(joints, trace, step, torque):
     rms = float(np.sqrt(np.mean(torque ** 2, axis=0)).max())
-    rival, by_joint = step.next_best, dict.fromkeys(again.touched, 0.0)
-    for _, score in again.parts:
+    chosen, rival = step.chosen, step.next_best
+    by_joint = dict.fromkeys(chosen.touched, 0.0)
+    for _, score in chosen.parts:
         for j, gain in score.by_joint.items():
             by_joint[j] += float(gain)
-    # A delay counts with all that is lost without it, as when it was chosen.
-    chosen = again if step.chosen.name == LATE else step.chosen
-    return Evidence(float(again.gain), float(again.std), float(step.needed),
-                    residual.observations, trace.trials, rms, rival and rival.name,
+    return Evidence(float(chosen.gain), float(chosen.std), float(step.needed),
+                    trace.residual.observations, trace.trials, rms, rival and rival.name,
                     rival and float(chosen.gain - rival.gain),
                     {joints[j]: gain for j, gain in by_joint.items()})
 

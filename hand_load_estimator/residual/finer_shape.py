@@ -9,7 +9,7 @@ from itertools import product
 
 from ..effects import EFFECTS, LATE
 from .blocks import Blocks
-from .candidate import hypotheses_of, in_common, joined, single
+from .candidate import evaluated, hypotheses_of, in_common, joined, single
 from .hypotheses import FORMS, of_shapes, other_forms, other_ways, reshaped
 from .hypothesis import physical, price, searched, turns
 from .shape_fit import settled
@@ -110,7 +110,7 @@ def searched_again(candidate, blocks, model, residual, warmed):
     residual has taken some of it.
     """
     if not any(searched(h) for h, _ in candidate.parts):
-        return candidate
+        return evaluated(candidate, blocks)
     pairs = [search_around((h, blocks.evaluate(h.columns)), blocks, model, residual)[0]
              for h in hypotheses_of(candidate)]
     if candidate.common:

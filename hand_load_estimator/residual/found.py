@@ -60,12 +60,34 @@ class Found:
 
     def without(self, step):
         """Return Blocks with all other steps as they are without a Step."""
-        if step.chosen.name != LATE:
-            return self.beside(step)
-        # Nothing else is late then.
+        return self._blocks_of(*self._without(step))
+
+    def _without(self, step):
+        """Return the other steps, and the Residual, as they are without a Step."""
         others = self._others(step)
+        if step.chosen.name != LATE:
+            return others, self.residual
+        # Nothing else is late then.
         residual = self._with_delays(others)
-        return self._blocks_of([_step_delayed(other, residual) for other in others], residual)
+        return [_step_delayed(other, residual) for other in others], residual
+
+    def weigh_again(self):
+        """Weigh every Step, and what else it may be, beside all other steps."""
+        self._all = [self._weighed(step) for step in self._all]
+
+    def _weighed(self, step):
+        """Return a Step, its rivals in its place, without what other steps have found since."""
+        others, residual = self._without(step)
+        blocks, chosen = self._blocks_of(others, residual), self.evidence(step)
+        found = {h.key for other in others for h, _ in other.chosen.parts}
+        rivals = [(evaluated(_delayed(c, residual), blocks),
+                   any(c is other for other in step.alternatives))
+                  for c in _rivals(step) if not found & {h.key for h, _ in c.parts}]
+        return replace(
+            step, chosen=chosen,
+            alternatives=tuple(c for c, named in rivals if named and alike(chosen, c)),
+            next_best=max((c for c, _ in rivals if c.gain > 0.0), key=lambda c: c.gain,
+                          default=None))
 
     def with_finer_shapes(self, steps):
         """Return Steps found together, each with its finer shape beside the others."""
@@ -122,18 +144,9 @@ class Found:
         """Search the shapes of the Step at k again, and what it looks like now."""
         step, blocks = self._all[k], self.beside(self._all[k])
         chosen = searched_again(step.chosen, blocks, self._model, self.residual, self._warmed)
-        step = self._all[k] = self._beside_rivals(replace(step, chosen=chosen), blocks)
-        self.put(self._plainer(step), step)
+        step = self._all[k] = replace(step, chosen=chosen)
+        self.put(self._plainer(step, blocks), step)
         self.taken |= {h.key for h, _ in self._all[k].chosen.parts}
-
-    def _beside_rivals(self, step, blocks):
-        """Return a Step with what else it may be, and is not found yet, as it is on Blocks."""
-        found = {h.key for other in self._others(step) for h, _ in other.chosen.parts}
-        now = [(evaluated(_delayed(c, self.residual), blocks), k < len(step.alternatives))
-               for k, c in enumerate(_rivals(step)) if not found & {h.key for h, _ in c.parts}]
-        return replace(
-            step, alternatives=tuple(c for c, beside in now if beside and alike(step.chosen, c)),
-            next_best=max((c for c, _ in now), key=lambda c: c.gain, default=None))
 
     def _search_delay(self, k, places):
         """Search the delay of the Step at k where it fits best with what is at other places."""
@@ -147,17 +160,18 @@ class Found:
         step = self._all[k]
         self._all[k] = replace(step, chosen=evaluated(moved, self.beside(step)))
 
-    def _plainer(self, step):
-        """Return a Step of what its Candidate looks like beside what was found since."""
+    def _plainer(self, step, blocks):
+        """Return a Step of what its Candidate looks like on Blocks, beside what was found since."""
         chosen = step.chosen
-        others = [c for c in _rivals(step) if c.joints == chosen.joints
-                  and not self.taken & {h.key for h, _ in c.parts}]
-        plainer = max((c for c in others if looks_like(chosen, c) and self._possible(c)),
-                      key=lambda c: c.gain, default=None)
+        others = [(evaluated(_delayed(c, self.residual), blocks), c) for c in _rivals(step)
+                  if c.joints == chosen.joints and not self.taken & {h.key for h, _ in c.parts}]
+        plainer, rival = max((pair for pair in others if looks_like(chosen, pair[0])
+                              and self._possible(pair[0])),
+                             key=lambda pair: pair[0].gain, default=(None, None))
         if plainer is None:
             return step
-        rest = tuple(c for c in step.alternatives if c.name != plainer.name)
-        return replace(step, chosen=plainer, alternatives=(chosen, *rest), next_best=chosen)
+        rest = tuple(c for c in step.alternatives if c is not rival)
+        return replace(step, chosen=plainer, alternatives=(chosen, *rest))
 
     def _others(self, *steps):
         # A plain function would take the place of any effect of its variable.
@@ -191,10 +205,10 @@ class Found:
 
 def _rivals(step):
     """Return the Candidates of a Step beside its own, each once."""
-    rivals = [*step.alternatives]
-    if step.next_best is not None and not any(step.next_best is c for c in rivals):
-        rivals.append(step.next_best)
-    return rivals
+    own = {h.key for h, _ in step.chosen.parts}
+    rivals = {tuple(h.key for h, _ in c.parts): c for c in (step.next_best, *step.alternatives)
+              if c is not None and {h.key for h, _ in c.parts} != own}
+    return list(rivals.values())
 
 
 def _delayed(candidate, residual):

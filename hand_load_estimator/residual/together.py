@@ -31,7 +31,12 @@ CLOSE = 0.97
 
 @dataclass(frozen=True)
 class Pair:
-    """Two Candidates of one joint: first, evaluated alone; second, evaluated beside the first."""
+    """
+    Two Candidates of one joint: first, evaluated alone; second, evaluated beside the first.
+
+    Nuisances are each joint's own: only one that moves a single joint may stand first, or both
+    would gain what they do not together.
+    """
 
     first: Candidate
     second: Candidate
@@ -74,7 +79,8 @@ class Together:
         steps = self._delayed(late, chosen, next_best, needed) if late else ()
         if steps or not next_best or next_best[0].gain < needed:
             return steps
-        pairs = [Pair(c, other) for c in self._singles if c.name != chosen.name
+        pairs = [Pair(c, other) for c in self._singles
+                 if c.name != chosen.name and len(c.touched) == 1
                  for other in self._named(c)[:PARTNERS] if other.name != chosen.name]
         if late:
             pairs.append(late)
@@ -103,12 +109,14 @@ class Together:
         Beside what it delays, undelayed, a delay may gain nothing: it counts with all that is
         lost without it, which must be more than anything else gains beside the Candidate.
         """
-        lost = ahead(pair.both, chosen)
         least = needed + max([0.0] + [c.gain for c in next_best if c.name != LATE])
-        if lost.gain < least or not significant(lost):
+        if not _surely(pair.both, chosen, least):
             return ()
         second = _step(pair.second, self._named(pair.first), {LATE}, needed)
-        delay = self._beside_other(pair.first, second.chosen)
+        pair = Pair(pair.first, second.chosen)
+        if not self._possible(pair) or not _surely(pair.both, chosen, least):
+            return ()
+        delay, lost = self._beside_other(pair.first, pair.second), ahead(pair.both, chosen)
         worth = replace(delay, gain=lost.gain, std=lost.std, by_block=lost.by_block)
         rival = next((c for c in next_best if c.name not in (LATE, UNKNOWN)), None)
         return Step(worth, (), rival, needed), second
@@ -119,8 +127,10 @@ class Together:
         named = next((c for c in next_best if c.name != UNKNOWN), None)
         if named is None:
             return False
-        beyond = ahead(both, self._finished(Pair(chosen, named)).both)
-        return beyond.gain > needed and significant(beyond)
+        rival = self._finished(Pair(chosen, named)).both
+        # Fewer parameters need not gain more by what chance and trials ask for.
+        return _surely(both, rival, needed) or (
+            both.size < rival.size and both.gain > rival.gain)
 
     def _beyond_form(self, both, chosen, needed):
         """Tell whether two explain more than the finer form of one does, never exact itself."""
@@ -129,8 +139,7 @@ class Together:
         alone = finer(chosen, self._blocks, self._model, self._residual, self._warmed)
         # How friction turns is fitted to reversals, which these blocks leave out.
         alone = max((alone, chosen), key=lambda one: one.gain)
-        beyond = ahead(both, alone)
-        return beyond.gain > max(needed, EXACT ** 2 * alone.gain) and significant(beyond)
+        return _surely(both, alone, max(needed, EXACT ** 2 * alone.gain))
 
     def _best(self, pairs):
         """Return the best of Pairs, the best few with their shapes searched, or None."""
@@ -203,6 +212,12 @@ class Together:
 
     def _blocks_beside(self, candidate):
         return self._blocks.beside(candidate.columns)
+
+
+def _surely(both, alone, least):
+    """Tell whether two gain surely as much more [nats] than one Candidate."""
+    beyond = ahead(both, alone)
+    return beyond.gain > least and significant(beyond)
 
 
 def _step(one, rivals, taken, needed):

@@ -101,7 +101,11 @@ class Trace:
         return self.steps
 
     def keep_what_still_gains(self):
-        """Backward check: drop steps, and joints of them, that gain no more beside the others."""
+        """
+        Backward check: drop steps, and joints of them, that gain no more beside the others.
+
+        What is kept has its evidence, and that of what else it may be, beside all the others.
+        """
         kept = 0
         while kept < len(self.steps):
             step = self.steps[kept]
@@ -119,6 +123,7 @@ class Trace:
                     self._found.drop(shown)
                     continue
             kept += 1
+        self._found.weigh_again()
         # What was dropped must not count as explained.
         self.blocks = self._found.blocks()
 
