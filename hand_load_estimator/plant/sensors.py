@@ -46,7 +46,7 @@ class Sensors:
 
 
 def _rounded(value, quantum):
-    """Round to multiples of quantum, a figure or (n,) of them; no quantum, no rounding."""
+    """Round to multiples of quantum, one or (n,), all or none of them zero: no rounding."""
     if not np.count_nonzero(quantum):
         return value
     return np.rint(value / quantum) * quantum
