@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from .stream.derivatives import Derivatives
+from .derivatives import Derivatives
 
 # Bandwidth of each stage [rad/s]: three of them delay by 3 / w = 30 ms and leave a measured
 # velocity noise of 2 mrad/s at 500 Hz as about 0.03 rad/s^2 of acceleration.

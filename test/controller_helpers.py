@@ -11,13 +11,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
 
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.identification.identify import nominal_model
 from hand_load_estimator.load import products_from_message
 from hand_load_estimator.motions.trajectory import Trajectory
 from hand_load_estimator.nodes.estimate_messages import (covariance_message, inertia_message,
                                                          residual_message)
 from hand_load_estimator.nodes.qos import LATCHED, measurement, OUTPUT
+from hand_load_estimator.torque.model_file import write_model
 
 MODEL = FakeModel()
 JOINTS = list(MODEL.robot.joints)

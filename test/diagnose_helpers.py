@@ -8,9 +8,9 @@ import numpy as np
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.recording import JointSample, RecordingWriter
+from hand_load_estimator.torque.model_file import write_model
 
 EMPTY, LOAD = LoadParameters(), block(2.0)
 JOINT = 1            # of the hidden effect

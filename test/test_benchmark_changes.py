@@ -10,8 +10,8 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import change_scores, changes
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import change_blocks
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.torque.model_file import read_model
 
 
 @pytest.mark.parametrize('kind', changes.KINDS)

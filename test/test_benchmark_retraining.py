@@ -15,10 +15,10 @@ from hand_load_estimator.benchmark.effect_measure import Prepared
 from hand_load_estimator.benchmark.effect_recordings import NewArm, Recordings
 from hand_load_estimator.benchmark.measure import MOMENTS
 from hand_load_estimator.benchmark.other_pages import retraining_blocks
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.artefact import CARD, WEIGHTS
 from hand_load_estimator.learning.training import Recipe
+from hand_load_estimator.torque.model_file import read_model
 
 PLANT = seeds.DEVELOPMENT_PLANTS[45]
 

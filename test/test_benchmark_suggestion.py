@@ -7,9 +7,9 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import pushes, suggestion
 from hand_load_estimator.benchmark.contestants import OUR_MODEL
 from hand_load_estimator.benchmark.document import to_markdown
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.simulation.simulate_motions import named_motion
+from hand_load_estimator.torque.model_file import read_model
 
 
 @pytest.fixture

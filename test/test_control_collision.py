@@ -12,9 +12,9 @@ from hand_load_estimator.control.collision_threshold import (CollisionDetector,
                                                              ThresholdSettings)
 from hand_load_estimator.control.load_belief import (LoadBelief, belief_of_estimate,
                                                      rated_belief)
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import products_from_message
+from hand_load_estimator.torque.model_file import read_model
 
 MODEL = FakeModel()
 SETTINGS = ThresholdSettings()

@@ -9,9 +9,9 @@ from hand_load_estimator.control.acceleration_limits import MovePlanner, PlanSet
 from hand_load_estimator.control.braking import braking_trajectory
 from hand_load_estimator.control.load_belief import belief_of_estimate, rated_belief
 from hand_load_estimator.control.torque_use import TorqueUse
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import products_from_message, products_jacobian_of_message
+from hand_load_estimator.torque.model_file import read_model
 
 MODEL = FakeModel(agility=3.0)
 ROBOT = MODEL.robot

@@ -6,8 +6,8 @@ import pytest
 from supervisor_helpers import Cell
 
 from hand_load_estimator.control.acceleration_limits import PlanSettings
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.torque.model_file import read_model
 
 
 def test_a_collision_stops_with_a_braking_trajectory_and_waits_for_the_reset():

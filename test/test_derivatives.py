@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from hand_load_estimator.derivatives import Derivatives
 from hand_load_estimator.motion import BANDWIDTH, MotionFilter
-from hand_load_estimator.stream.derivatives import Derivatives
 
 RATE = 500.0
 POSITION, VELOCITY = 6e-6, 2e-3

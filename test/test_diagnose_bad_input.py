@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.cli import main
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.robot import robot_from_content
+from hand_load_estimator.torque.model_file import write_model
 
 
 @pytest.fixture(scope='module')

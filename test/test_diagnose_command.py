@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.cli import main
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.learning import shards, training
 from hand_load_estimator.learning.artefact import arm_of, read_artefact, write_artefact
 from hand_load_estimator.learning.features import feature_count
@@ -24,6 +23,7 @@ from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual import load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis
 from hand_load_estimator.residual.load_error import with_load_errors
+from hand_load_estimator.torque.model_file import read_model
 
 
 @pytest.fixture(scope='module')

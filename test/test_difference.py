@@ -12,7 +12,6 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.difference_function import DifferenceFunction
 from hand_load_estimator.estimators.inducing_points import InducingPoints
 from hand_load_estimator.estimators.network_draws import NetworkDraws
-from hand_load_estimator.files.model_file import model_digest, read_model, write_model
 from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.learning import (bayesian_network, distilled_network, neural_process,
                                           torque_gp)
@@ -22,6 +21,7 @@ from hand_load_estimator.learning.difference_inputs import (difference_inputs, i
                                                             parse_inputs)
 from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.stream.joint_stream import JointStream, motion_of
+from hand_load_estimator.torque.model_file import model_digest, read_model, write_model
 from hand_load_estimator.torque.model_follower import ModelFollower, Prediction
 
 

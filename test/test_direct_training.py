@@ -11,10 +11,10 @@ import torch
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.learning import direct_training, shards, training_loop
 from hand_load_estimator.learning.direct_design import Design, design_for
 from hand_load_estimator.learning.direct_training import DirectRecipe, train_direct
+from hand_load_estimator.torque.model_file import write_model
 
 STEPS = 4
 

@@ -7,8 +7,8 @@ from core_helpers import effect_uses, four_axes
 from effect_helpers import DT, inputs, model_with
 import numpy as np
 
-from hand_load_estimator.files.model_file import model_content, read_model, write_model
 from hand_load_estimator.torque.columns import parameter_count, torque_columns
+from hand_load_estimator.torque.model_file import model_content, read_model, write_model
 
 
 def test_the_model_file_keeps_tilt_and_ripple(tmp_path):

@@ -12,8 +12,8 @@ import pytest
 from hand_load_estimator.cli import main
 from hand_load_estimator.estimators.estimation import estimate_recording
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.recording import RecordingWriter
+from hand_load_estimator.torque.model_file import write_model
 
 LOAD = block(2.0)
 

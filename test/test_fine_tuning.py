@@ -12,7 +12,6 @@ from safetensors.numpy import load_file
 from hand_load_estimator import seeds
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.learning import shards, training_loop
 from hand_load_estimator.learning.artefact import (arm_of, CARD, read_artefact, WEIGHTS,
                                                    write_artefact)
@@ -20,6 +19,7 @@ from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.training import FINE_TUNING, Recipe, train
+from hand_load_estimator.torque.model_file import write_model
 
 HIDDEN = 8
 # Batches of two sequences, so that a shard is a moment's work.

@@ -21,9 +21,9 @@ from hand_load_estimator.estimators.gp_histogram import GpHistogram
 from hand_load_estimator.estimators.gp_search import GpEvolution, GpSwarm
 from hand_load_estimator.estimators.registry import ON_DIFFERENCE
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.learning.learn_difference import learn_difference
 from hand_load_estimator.recording import RecordingWriter
+from hand_load_estimator.torque.model_file import write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
 
 

@@ -11,7 +11,6 @@ from hand_load_estimator.cli import main
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import read_model, write_model
 from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
 from hand_load_estimator.identification.regression_system import System
@@ -23,6 +22,7 @@ from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.stream.joint_stream import motion_of
 from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, EffectUse,
                                                 motion_input, torque_columns)
+from hand_load_estimator.torque.model_file import read_model, write_model
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',

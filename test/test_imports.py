@@ -121,6 +121,32 @@ def test_what_estimates_and_learns_never_reaches_the_plant(start):
     assert not [name for name in reached if name.startswith(f'{PACKAGE}.plant')]
 
 
+def folder_of(name):
+    """Return the room a module lies in, or its own name in the root."""
+    return room(name).partition('/')[0]
+
+
+def test_no_two_rooms_import_one_another():
+    """But where a trained artefact is read; torque_model.py is the face of its own room."""
+    uses = {(folder_of(name), folder_of(f)) for name, found in IMPORTS.items()
+            for f in found if f in SOURCES and folder_of(f) != '__init__'}
+    both = {frozenset(pair) for pair in uses if pair[::-1] in uses and pair[0] != pair[1]}
+    assert both == {frozenset(('estimators', 'learning')), frozenset(('torque', 'torque_model'))}
+
+
+def test_the_page_of_rooms_says_what_each_is():
+    page = (ROOT / 'doc' / 'rooms.md').read_text()
+    told = {line.split('|')[1].strip(): line.split('|')[2].strip()
+            for line in page.splitlines() if line.startswith('| `')}
+    modules = {name: path for name, path in SOURCES.items() if name.count('.') == 1
+               and path.name != '__main__.py'}
+    assert len(modules) > 20
+    assert told == {
+        f'`{path.name if path.name != "__init__.py" else path.parent.name}`':
+            ast.get_docstring(ast.parse(path.read_text())).splitlines()[0]
+        for path in modules.values()}
+
+
 def test_training_never_reaches_the_plant():
     rooms = [name for name in SOURCES if room(name).startswith(('learning/', 'effects/'))]
     assert rooms

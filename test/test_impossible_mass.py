@@ -11,7 +11,7 @@ from hand_load_estimator.estimators.impossible_mass import impossible_mass
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.pipeline import TareError
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import write_model
+from hand_load_estimator.torque.model_file import write_model
 
 EMPTY = block(1e-6)
 

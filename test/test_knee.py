@@ -11,7 +11,6 @@ import yaml
 
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.effects.knee import shows
-from hand_load_estimator.files.model_file import read_model, write_model
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.identification.identify import identify
@@ -21,6 +20,7 @@ from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, effect_slices,
                                                 motion_input, parameter_count,
                                                 presliding_distances, torque_columns)
+from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 COULOMB = 'temperature_dependent_coulomb_friction'

@@ -10,7 +10,6 @@ import pytest
 from residual_helpers import declared_model, on, recorded, ripple, viscous
 from test_disturbance import pushed
 
-from hand_load_estimator.files.model_file import read_model, write_model
 from hand_load_estimator.files.recording_mark import content_of, message_digests, RecordingMark
 from hand_load_estimator.recording import read_recording
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
@@ -18,6 +17,7 @@ from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.diagnose import diagnose, errors_of
 from hand_load_estimator.residual.known_recordings import (known_by_name_only, known_names,
                                                            made_from)
+from hand_load_estimator.torque.model_file import read_model, write_model
 
 
 def on_disk(evidence):

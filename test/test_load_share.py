@@ -11,10 +11,10 @@ from hand_load_estimator.estimators import regression
 from hand_load_estimator.estimators.bayes import Bayes
 from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.estimators.information import Information
+from hand_load_estimator.estimators.residual_watch import ResidualWatch
 from hand_load_estimator.estimators.tool import read_tool, ToolFollower
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.residual.watch import ResidualWatch
 from hand_load_estimator.stream.joint_stream import JointStream
 from hand_load_estimator.torque.model_follower import ModelFollower
 

@@ -9,10 +9,10 @@ import yaml
 
 from hand_load_estimator.effects import EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.files.model_file import model_content, read_model, write_model
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.load import PRODUCT_ORDER
 from hand_load_estimator.torque.columns import EffectUse, parameter_count, torque_columns
+from hand_load_estimator.torque.model_file import model_content, read_model, write_model
 from hand_load_estimator.torque_model import Residuals, TorqueModel, uncertain_directions
 
 

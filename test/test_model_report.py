@@ -8,15 +8,15 @@ from core_helpers import exact_model
 import numpy as np
 import pytest
 
-from hand_load_estimator.files.model_file import read_model
+from hand_load_estimator.estimators.residual_watch import Aged
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.files.shared_files import find_shared
-from hand_load_estimator.files.simulated_model import told_of_simulated
 from hand_load_estimator.nodes.controller_report import report_torque_model
 from hand_load_estimator.nodes.diagnostics import OK, WARN
 from hand_load_estimator.nodes.model_report import report_model
 from hand_load_estimator.nodes.stamps import StampBase
-from hand_load_estimator.residual.watch import Aged
+from hand_load_estimator.torque.model_file import read_model
+from hand_load_estimator.torque.simulated_model import told_of_simulated
 
 THEN = np.array([0.5, 0.41, np.nan, 0.2])
 
@@ -92,7 +92,7 @@ def test_a_real_arm_is_told_that_the_shipped_model_is_none_of_its_own():
 
 
 def test_it_is_told_with_what_else_there_is(monkeypatch):
-    monkeypatch.setattr('hand_load_estimator.files.simulated_model.SHIPPED', frozenset(['mine']))
+    monkeypatch.setattr('hand_load_estimator.torque.simulated_model.SHIPPED', frozenset(['mine']))
     recordings = (RecordingMark('simulated', 'mine'),)
     both = reported([0.5] * 4, recordings=recordings)
     assert both[0] == WARN

@@ -13,8 +13,8 @@ from std_srvs.srv import Trigger
 from test_nodes_estimator import Estimator
 from test_same_arm import another_arm, UR10
 
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.files.recording_mark import RecordingMark
+from hand_load_estimator.torque.model_file import write_model
 
 MASS = 3.0
 

@@ -12,11 +12,11 @@ from hand_load_estimator.benchmark import cases
 from hand_load_estimator.benchmark.contestants import our_contestants
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline, determined_std
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.load import LoadParameters, STATUSES
 from hand_load_estimator.robot import load_robot
+from hand_load_estimator.torque.model_file import write_model
 
 
 @pytest.fixture(scope='module')

@@ -4,7 +4,6 @@ from dataclasses import asdict
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
@@ -15,6 +14,7 @@ from hand_load_estimator.recording import arrays, read_recording
 from hand_load_estimator.residual.diagnose import errors_of
 from hand_load_estimator.simulation.simulate_motions import MOTIONS, named_motion
 from hand_load_estimator.stream.joint_stream import motion_of
+from hand_load_estimator.torque.model_file import read_model
 import numpy as np
 from plant_helpers import chain, LOAD, ROBOTS, sweep, ur10e
 import pytest

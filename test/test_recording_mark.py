@@ -10,11 +10,11 @@ import yaml
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.files.recording_mark import message_digests, refuse_repeats
 from hand_load_estimator.identification.evidence import Evidence, prepare, recording_numbers
 from hand_load_estimator.recording import JointSample, read_recording, Recording
 from hand_load_estimator.stream.joint_stream import motion_of
+from hand_load_estimator.torque.model_file import write_model
 
 
 def evidence_of(folder, name, stream):

@@ -8,8 +8,8 @@ from plant_helpers import effects
 import pytest
 
 from hand_load_estimator.estimators.build import build_pipeline
+from hand_load_estimator.estimators.residual_watch import CALM, ENOUGH, LIMIT
 from hand_load_estimator.plant import JointEvent, simulate_motion
-from hand_load_estimator.residual.watch import CALM, ENOUGH, LIMIT
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
 from hand_load_estimator.simulation.simulate_motions import named_motion
 

@@ -8,11 +8,11 @@ import pytest
 
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline, shipped_artefact
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.files.same_arm import arm_difference
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.nodes.controller_settings import model_from_parameters
 from hand_load_estimator.robot import load_robot, robot_from_content
+from hand_load_estimator.torque.model_file import write_model
 
 # What stands in the URDF of the UR10 (public figures) in place of the UR10e's.
 UR10 = (('0 0 0.1807', '0 0 0.1273'), ('-0.6127 0 0', '-0.612 0 0'),

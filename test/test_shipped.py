@@ -10,7 +10,6 @@ from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefa
                                                   shipped_difference)
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.registry import ON_DIFFERENCE
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.difference_artefact import read_difference
@@ -18,6 +17,7 @@ from hand_load_estimator.learning.direct_artefact import read_direct_artefact
 from hand_load_estimator.learning.direct_design import NETWORKS
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
+from hand_load_estimator.torque.model_file import read_model
 
 
 def test_the_default_robot_has_a_model_and_an_artefact_that_fit():

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from test_effects_online import along, filtered
 
-from hand_load_estimator.files.model_file import read_model, write_model
+from hand_load_estimator.effects.stribeck_curve import left
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.torque.columns import motion_input, torque_columns
+from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
 from hand_load_estimator.torque.presliding import presliding_path, turned
 from hand_load_estimator.torque.shown_friction import (shown_along, ShownAlong, ShownStream,
                                                        unfiltered)
-from hand_load_estimator.torque.stribeck_curve import left
 
 TRAVEL, POWER, VELOCITY = 1e-3, 2.0, 0.08
 OWN = {'travel': 3e-3, 'power': 2.0, 'stribeck_velocity': 0.08, 'exponent': 1.4,

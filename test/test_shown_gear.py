@@ -7,10 +7,10 @@ from effect_helpers import model_with
 import numpy as np
 import pytest
 
+from hand_load_estimator.effects.shown_gear import shown_side, shown_size
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.torque.model_follower import ModelFollower
-from hand_load_estimator.torque.shown_gear import shown_side, shown_size
 from hand_load_estimator.torque.shown_links import shown_links, SPREAD
 
 RATE, SHARE = 500.0, 0.6

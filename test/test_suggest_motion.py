@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.estimators.build import determined_std
+from hand_load_estimator.estimators.suggest_motion import MotionSuggester, SuggestionError
 from hand_load_estimator.load import LoadParameters, MESSAGE_ORDER
-from hand_load_estimator.motions.suggest_motion import MotionSuggester, SuggestionError
 
 POSE = np.array([0.0, -1.2, 1.5, -0.5, -1.0, 0.3])
 WARM = np.full(6, 25.0)

@@ -10,8 +10,8 @@ from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.estimators.checkpoint import belongs_to
 from hand_load_estimator.estimators.tool import read_tool
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.torque.model_file import write_model
 
 TOOL, PART = block(1.5), block(2.0, (0.0, 0.05, 0.15))
 

@@ -12,11 +12,11 @@ import yaml
 from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.identification.identify import nominal_model
 from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.stream.commanded_positions import CommandedPositions
 from hand_load_estimator.torque.columns import real_torque
+from hand_load_estimator.torque.model_file import write_model
 
 CONSTANTS = [11.0, -9.0, 8.0, 5.0]
 MOTION = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 4))

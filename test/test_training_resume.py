@@ -15,9 +15,9 @@ from safetensors.numpy import load_file
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.estimators.build import build_pipeline
-from hand_load_estimator.files.model_file import write_model
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.training_loop import end_work
+from hand_load_estimator.torque.model_file import write_model
 
 # Small batches, so that a shard is a second's work; killed at a given line of progress.
 SCRIPT = '''

@@ -4,10 +4,10 @@ import time
 
 from .. import seeds
 from ..estimators.build import shipped_difference
-from ..files.model_file import read_model
 from ..files.shared_files import find_shared
 from ..motion import BLOCK
 from ..stream.joint_stream import JointStream
+from ..torque.model_file import read_model
 from .cases import case_events, draw_case, stream_samples
 from .contestants import (chosen_methods, cost_of, ON_FUNCTION, our_contestants,
                           RegressorClock)

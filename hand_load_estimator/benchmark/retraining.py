@@ -7,11 +7,11 @@ import numpy as np
 
 from ..errors import ConfigurationError
 from ..estimators.build import shipped_artefact
-from ..files.model_file import write_model
 from ..learning.artefact import CARD, read_artefact
 from ..learning.training import FINE_TUNING, Recipe, train
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from ..robot import load_robot
+from ..torque.model_file import write_model
 from .cases import Case, case_run, draw_case
 from .contestants import DEFAULT, our_contestants, WITHOUT_NETWORK
 from .effect_cases import EffectCase, Hidden, load_seeds, place, SINGLE

@@ -5,8 +5,8 @@ import numpy as np
 from .. import seeds
 from ..estimators.build import build_method, determined_std
 from ..estimators.pipeline import Pipeline
+from ..estimators.suggest_motion import SuggestionError
 from ..load import MESSAGE_ORDER
-from ..motions.suggest_motion import SuggestionError
 from ..motions.trajectory import Trajectory
 from ..plant import Plant
 from ..simulation.simulate_motions import named_motion

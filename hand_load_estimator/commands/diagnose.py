@@ -34,7 +34,7 @@ def run(args):
     """Diagnose, write report and model, say what was found."""
     from ..learning.artefact import CARD, read_artefact
     from ..files.load_file import load_of_argument
-    from ..files.model_file import read_model, write_model
+    from ..torque.model_file import read_model, write_model
     from ..files.recording_mark import refuse_repeats
     from ..report.diagnosis_folder import clear, diagnosis_folder
     from ..report.diagnosis_json import diagnosis_content

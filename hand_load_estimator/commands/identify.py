@@ -71,7 +71,7 @@ def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification.identify import check_effects
     from ..identification.identified_sense import nonsense, refuse_nonsense
-    from ..files.model_file import read_model, SCHEMA, write_model
+    from ..torque.model_file import read_model, SCHEMA, write_model
     from ..files.output_file import output_file
     from ..residual.repeats import share_repeated
     from ..robot import load_robot

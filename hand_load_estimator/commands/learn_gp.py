@@ -30,7 +30,7 @@ def run(args):
     from ..learning.difference_artefact import CARD, SCHEMA
     from ..learning.difference_inputs import parse_inputs
     from ..learning.learn_difference import learn_difference
-    from ..files.model_file import read_model
+    from ..torque.model_file import read_model
     from ..files.output_file import output_folder
     from ..files.shared_files import find_shared
     names = parse_inputs(args.inputs)

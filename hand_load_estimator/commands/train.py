@@ -83,7 +83,7 @@ def _train(args):
         recipe = replace(FINE_TUNING if start else Recipe(), **chosen)
         return train(model, args.out, recipe, args.device, write, start)
     from ..learning.direct_training import DirectRecipe, train_direct
-    from ..files.model_file import read_model
+    from ..torque.model_file import read_model
     _refuse(args, ('start_from',), 'lstm')
     if args.network != 'feedforward':
         _refuse(args, ('window',), 'feedforward')

@@ -1,8 +1,8 @@
 """Friction that grows with the torque of the gear."""
 
-from ..torque.shown_gear import shown_size
 from .effect import Effect
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
+from .shown_gear import shown_size
 
 
 def direction(x, j, shape):

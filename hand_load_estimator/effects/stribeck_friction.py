@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..torque.stribeck_curve import left
 from .effect import Effect, Shape, side_by_side, SLOWEST
 from .own_travel import of_own_travel, OWN_TRAVEL, POWER
+from .stribeck_curve import left
 
 # How the peak falls, and how temperature moves it: only a large peak tells more than the plainest.
 EXPONENT = Shape('exponent', '-', 1.0, (1.0,), 25.0)

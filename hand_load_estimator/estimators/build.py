@@ -5,14 +5,14 @@ import json
 from pathlib import Path
 
 from ..errors import ConfigurationError
-from ..files.model_file import model_digest, read_model
-from ..files.model_of_robot import model_of_robot
 from ..files.shared_files import find_shared, share_folder
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
 from ..load import MESSAGE_ORDER
 from ..robot import load_robot
+from ..torque.model_file import model_digest, read_model
 from ..torque.model_follower import ModelFollower
+from ..torque.model_of_robot import model_of_robot
 from .pipeline import Pipeline
 from .registry import DEFAULT, DIFFERENCE, METHODS, WITHOUT_ARTEFACT
 from .tool import read_tool, ToolFollower

@@ -4,13 +4,13 @@ import numpy as np
 
 from ..errors import HandLoadError
 from ..load import LoadEstimate
-from ..motions.suggest_motion import MotionSuggester, SuggestionError
-from ..residual.watch import ResidualWatch
 from ..stream.joint_stream import JointStream
 from ..stream.rejected_input import in_words, joint_states_of
 from .impossible_mass import impossible_mass
 from .method import checked
 from .physical_consistency import published
+from .residual_watch import ResidualWatch
+from .suggest_motion import MotionSuggester, SuggestionError
 
 # Motion start: a joint that gravity can load exceeds this speed [rad/s] (DESIGN section 6).
 MOTION_START = 0.05

@@ -16,8 +16,8 @@ from safetensors.numpy import load_file, save_file
 from ..errors import ConfigurationError
 from ..estimators.inducing_points import InducingPoints
 from ..estimators.network_draws import NetworkDraws
-from ..files.model_file import model_digest
 from ..files.whole_file import whole_file
+from ..torque.model_file import model_digest
 from .difference_inputs import input_width, INPUTS
 
 SCHEMA = 'hand_load/difference/1'

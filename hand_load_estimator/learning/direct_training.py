@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from ..files.model_file import read_model
+from ..torque.model_file import read_model
 from .artefact import arm_of
 from .direct_artefact import write_direct_artefact
 from .direct_calibration import (calibrate_direct, direct_scores, inputs_of_shard,

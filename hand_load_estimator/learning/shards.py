@@ -9,8 +9,8 @@ from safetensors.torch import load_file, save_file
 
 from ..estimators.load_prior import load_prior
 from ..estimators.regression import MOVING
-from ..files.model_file import read_model
 from ..files.whole_file import whole_file
+from ..torque.model_file import read_model
 from ..workers import worker_results
 from .features import REFRESH, SlowResidual, features
 from .regression_layer import (chunk_sums, marginal, message_moments, products_of_shape,

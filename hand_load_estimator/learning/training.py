@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import torch
 
-from ..files.model_file import read_model
 from ..load import MESSAGE_ORDER
+from ..torque.model_file import read_model
 from .artefact import arm_of, write_artefact
 from .calibration import calibrate, held_out_scores
 from .features import feature_count

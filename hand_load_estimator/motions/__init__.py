@@ -1,1 +1,1 @@
-"""Joint trajectories: motions that identify an arm, and motions that settle a load."""
+"""Joint trajectories, and the motions that identify an arm."""

@@ -9,8 +9,8 @@ from ..control.collision_threshold import ThresholdSettings
 from ..control.fallback import FallbackSettings
 from ..control.supervisor import CycleSettings
 from ..errors import ConfigurationError
-from ..files.model_of_robot import model_of_robot
 from ..robot import load_robot
+from ..torque.model_of_robot import model_of_robot
 from .model_choice import robot_and_model
 
 

@@ -18,8 +18,8 @@ from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
+from ..estimators.suggest_motion import SuggestionError
 from ..load import message_from_products
-from ..motions.suggest_motion import SuggestionError
 from .checkpoint_keeper import CheckpointKeeper
 from .command_line import run_from_command_line
 from .controller_messages import trajectory_message

@@ -1,6 +1,6 @@
 """What has to be known of a torque model before it is relied on, whatever the arm does."""
 
-from ..files.simulated_model import told_of_simulated
+from ..torque.simulated_model import told_of_simulated
 from ..torque.unknown_friction import told_of_unknown_friction
 
 

@@ -1,8 +1,8 @@
 """The folder of a diagnosis: what is written there, and what an earlier one has left."""
 
-from ..files.model_file import SCHEMA as MODEL
 from ..files.output_file import output_folder
 from ..learning.artefact import CARD, SCHEMA as LEARNED, WEIGHTS
+from ..torque.model_file import SCHEMA as MODEL
 from .diagnosis_json import SCHEMA as REPORT
 from .diagnosis_page import MARK
 

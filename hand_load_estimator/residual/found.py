@@ -161,7 +161,7 @@ class Found:
         self._all[k] = replace(step, chosen=evaluated(moved, self.beside(step)))
 
     def _plainer(self, step, blocks):
-        """Return a Step of what its Candidate looks like on Blocks, beside what was found since."""
+        """Return a Step of what its Candidate looks like beside what was found since: Blocks."""
         chosen = step.chosen
         others = [(evaluated(_delayed(c, self.residual), blocks), c) for c in _rivals(step)
                   if c.joints == chosen.joints and not self.taken & {h.key for h, _ in c.parts}]

@@ -60,7 +60,8 @@ def _why(finding, interval):
         own = [s for s in EFFECTS[finding.name].shapes if s.name == plain]
         if any(s.slowest(mean) for s in own):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or below '
-                    f'{mean:.3g} {unit}, hardly faster than the slowest motion that tells friction')
+                    f'{mean:.3g} {unit}, hardly faster than the slowest motion that tells '
+                    'friction')
         if any(s.longest(mean) for s in own):
             return (f'{joints}: {finding.name} is only suspected: its {plain} is at or above '
                     f'{mean:.3g} {unit}, where it looks like another effect')

@@ -1,1 +1,1 @@
-"""What a torque model is made of, along recordings and along a stream of samples."""
+"""What a torque model is made of: along recordings, along a stream of samples, in its file."""

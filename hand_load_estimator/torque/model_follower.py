@@ -6,6 +6,7 @@ import numpy as np
 
 from ..effects import EffectInput, LATE
 from ..effects.load_dependent_friction import direction
+from ..effects.shown_gear import shown_side, shown_size
 from ..load import products_from_message
 from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .columns import real_torque, torque_columns, warmth_of
@@ -14,7 +15,6 @@ from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
 from .shown_friction import ShownStream
-from .shown_gear import shown_side, shown_size
 from .shown_links import shown_links_and_way
 from .sliding import surely_slides
 

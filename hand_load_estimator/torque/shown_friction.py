@@ -15,10 +15,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
 from .presliding import DEAD_BAND, turned
-from .stribeck_curve import left
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
 STEPS = 4

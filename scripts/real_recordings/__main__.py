@@ -12,9 +12,9 @@ from hand_load_estimator.benchmark.real import LOADED
 from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
 from hand_load_estimator.benchmark.real_sets import linked, SETS, stage
 from hand_load_estimator.errors import HandLoadError
-from hand_load_estimator.files.model_file import read_model
 from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual.load_error import run_through
+from hand_load_estimator.torque.model_file import read_model
 
 from .table import table
 

@@ -1,8 +1,8 @@
 """A torque model is of one arm: read it only for that one."""
 
 from ..errors import ConfigurationError
+from ..files.same_arm import arm_difference
 from .model_file import read_model
-from .same_arm import arm_difference
 
 
 def model_of_robot(path, robot):

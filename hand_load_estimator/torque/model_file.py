@@ -13,13 +13,13 @@ import numpy as np
 import yaml
 
 from ..effects import EFFECTS
+from ..files.configuration import Section, read_yaml
+from ..files.recording_mark import RecordingMark
+from ..files.whole_file import whole_file
 from ..load import PRODUCT_ORDER
 from ..robot import robot_from_content
-from ..torque.columns import EffectUse
 from ..torque_model import Residuals, TorqueModel
-from .configuration import Section, read_yaml
-from .recording_mark import RecordingMark
-from .whole_file import whole_file
+from .columns import EffectUse
 
 SCHEMA = 'hand_load/torque_model/1'
 # Shapes that files from before they were there have at their defaults.

@@ -15,14 +15,14 @@ from itertools import combinations, product
 import numpy as np
 
 from ..errors import HandLoadError
-from ..estimators.information import Information
-from ..estimators.weighting import joined_columns
 from ..load import MESSAGE_ORDER, products_jacobian_of_message
 from ..motion import BLOCK, MotionSample
+from ..motions.excitation_limits import Clearance
+from ..motions.trajectory import Trajectory
 from ..torque.model_follower import ModelFollower
 from ..torque.presliding import PreslidingState, stuck_density
-from .excitation_limits import Clearance
-from .trajectory import Trajectory
+from .information import Information
+from .weighting import joined_columns
 
 AMPLITUDES = (0.1, 0.2, 0.4, 0.8, 1.5)   # [rad]
 SPEEDS = (0.25, 0.8)         # share of the robot file's velocity limits
