@@ -48,16 +48,24 @@ def turned(z, moved, distance, power):
     least 1, where friction rises like a spring up to its level. All of shapes that fit.
     """
     direction, way = np.sign(moved), np.abs(moved) / distance
-    left = np.maximum(1.0 - direction * z, 0.0)
+    left = turning(power)(np.maximum(1.0 - direction * z, 0.0), way)
+    return np.where(way > 0.0, direction * (1.0 - left), z)
+
+
+def turning(power):
+    """
+    Return a function of what is left to a level and of a way in travels: what is left after it.
+
+    power: as of `turned`.
+    """
     finite = np.isfinite(power)
     if finite.all():
-        left = _along_a_power(left, way, power)
-    elif not finite.any():
-        left = left * np.exp(-way)
-    else:
-        left = np.where(finite, _along_a_power(left, way, np.where(finite, power, 1.0)),
-                        left * np.exp(-way))
-    return np.where(way > 0.0, direction * (1.0 - left), z)
+        return lambda left, way: _along_a_power(left, way, power)
+    if not finite.any():
+        return lambda left, way: left * np.exp(-way)
+    some = np.where(finite, power, 1.0)
+    return lambda left, way: np.where(finite, _along_a_power(left, way, some),
+                                      left * np.exp(-way))
 
 
 def _along_a_power(left, way, power):

@@ -11,14 +11,15 @@ comes back as a joint slows down, they have to bend again. Then it is passed thr
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from itertools import repeat
 
 import numpy as np
 
 from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
-from .presliding import DEAD_BAND, turned
+from .presliding import DEAD_BAND, turning
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
 STEPS = 4
@@ -26,6 +27,8 @@ STEPS = 4
 ROUNDED = 1e-4
 # Of a Stribeck peak less than this [-] is nothing.
 LEAST_LEVEL = 1e-6
+# So many samples are prepared at once: all of a long recording would fill the memory.
+ROWS = 512
 _SHARES = np.arange(1, STEPS + 1)[:, None] / STEPS
 
 
@@ -54,6 +57,49 @@ def unfiltered(q, v, a, jerk=None):
             v + 3.0 * (a + j) / BANDWIDTH)
 
 
+class _Contacts:
+    """Friction (K,) of size one that turns over travels (K,) with powers (K,), or below levels."""
+
+    def __init__(self, travels, powers):
+        self._travels, self._turn = travels, turning(powers)
+        self.friction = np.zeros(len(travels))
+
+    def ways(self, moved, levels):
+        """
+        Return what `bend` takes, for any number of samples at once.
+
+        moved (..., K) [rad] within each; levels (..., STEPS, K), or None for a level of one.
+        """
+        way = np.abs(moved)[..., None, :]
+        if levels is None:
+            return np.sign(moved), _SHARES * way / self._travels, None
+        levels = np.maximum(levels, LEAST_LEVEL)
+        # Springs of one stiffness: half the level is reached in half the way.
+        return np.sign(moved), way / STEPS / (levels * self._travels), levels
+
+    def bend(self, direction, ways, levels):
+        """Return friction (STEPS + 1, K) as it was and within a sample, before the filter."""
+        out = np.empty((STEPS + 1, len(direction)))
+        out[0], moves = self.friction, direction != 0.0
+        if levels is None:
+            left = self._turn(np.maximum(1.0 - direction * out[0], 0.0), ways)
+            out[1:] = np.where(moves, direction * (1.0 - left), out[0])
+        else:
+            for k in range(STEPS):
+                share = out[k] / levels[k]
+                left = self._turn(np.maximum(1.0 - direction * share, 0.0), ways[k])
+                out[k + 1] = levels[k] * np.where(moves, direction * (1.0 - left), share)
+        self.friction = out[STEPS]
+        return out
+
+
+def _beyond_noise(q, anchor):
+    """Return the way (n,) from an anchor to q that is more than noise, and the next anchor."""
+    moved = q - anchor
+    counts = np.abs(moved) > DEAD_BAND
+    return np.where(counts, moved, 0.0), np.where(counts, q, anchor)
+
+
 class ShownFriction:
     """
     Follow friction of size one for K places: joints, some of them several times.
@@ -63,40 +109,27 @@ class ShownFriction:
     """
 
     def __init__(self, joints, travels, powers, *peak):
-        self._joints, self._travels = np.asarray(joints, dtype=int), travels
-        self._powers, self._peak = powers, peak
+        self._joints, self._peak = np.asarray(joints, dtype=int), peak
+        self._contacts = _Contacts(travels, powers)
         self._anchor, self._stages = None, np.zeros((3, len(self._joints)))
 
     def update(self, q, v, dt, warmth):
         """Return friction (K,) after dt [s]; q, v (n,): unfiltered; warmth (n,) [K]."""
-        self._stages = _filtered(self._stages, self.bend(q, v, warmth), dt)
-        return self._stages[2]
-
-    def bend(self, q, v, warmth):
-        """Return friction (STEPS + 1, K) as it was and within the sample, before the filter."""
         q, v = q[self._joints], v[self._joints]
         if self._anchor is None:
-            self._anchor, self._speed, self._friction = q, v, np.zeros(len(q))
-        moved = q - self._anchor
-        counts = np.abs(moved) > DEAD_BAND
-        moved = np.where(counts, moved, 0.0)
-        if self._peak:
-            speeds = self._speed + _SHARES * (v - self._speed)
-            friction = self._bent(moved / STEPS, left(speeds, warmth[self._joints], *self._peak))
-        else:
-            friction = turned(self._friction, _SHARES * moved, self._travels, self._powers)
-        before, self._friction = self._friction, friction[-1]
-        self._anchor, self._speed = np.where(counts, q, self._anchor), v
-        return np.concatenate([before[None], friction])
+            self._anchor, self._speed = q, v
+        moved, self._anchor = _beyond_noise(q, self._anchor)
+        levels = left(_speeds(self._speed, v), warmth[self._joints], *self._peak) \
+            if self._peak else None
+        self._speed, contacts = v, self._contacts
+        self._stages = _filtered(self._stages, contacts.bend(*contacts.ways(moved, levels)), dt)
+        return self._stages[2]
 
-    def _bent(self, moved, levels):
-        """Return friction (STEPS, K) of steps of the same way (K,) under levels (STEPS, K)."""
-        out, now = np.empty_like(levels), self._friction
-        for k, level in enumerate(np.maximum(levels, LEAST_LEVEL)):
-            # Springs of one stiffness: half the level is reached in half the way.
-            now = level * turned(now / level, moved, level * self._travels, self._powers)
-            out[k] = now
-        return out
+
+def _speeds(before, now):
+    """Return the speeds (..., STEPS, K) within samples between speeds (..., K)."""
+    before, now = before[..., None, :], now[..., None, :]
+    return before + _SHARES * (now - before)
 
 
 class ShownStream:
@@ -137,24 +170,51 @@ class ShownAlong:
 
     def __call__(self, *places):
         several = np.broadcast_arrays(*map(np.atleast_1d, places))
-        parts = [(q, v, warmth, dt[:, None]) for q, v, warmth, dt in self.parts]
         found = np.concatenate(lock_step(
-            parts, lambda numbers, rows: self._follow(len(numbers), *several, rows)))
+            self._prepared, lambda numbers, rows: self._follow(len(numbers), several, rows)))
         return found if any(map(np.ndim, places)) else found[:, 0]
 
-    def _follow(self, count, joints, *others):
-        """Return friction (L, K of all) of `count` parts."""
-        *others, rows = others
-        n = rows[0].shape[1] // count
-        state = ShownFriction(np.concatenate([joints + k * n for k in range(count)]),
-                              *(np.tile(other, count) for other in others))
-        stages, out = np.zeros((count, 3, len(joints))), []
-        for *motion, dt in zip(*rows):
-            friction = state.bend(*motion).reshape(STEPS + 1, count, len(joints))
-            stages = np.stack([_filtered(stages[k], friction[:, k], dt[k])
-                               for k in range(count)])
-            out.append(stages[:, 2].ravel())
-        return np.array(out)
+    @cached_property
+    def _prepared(self):
+        """Way, speeds before and after, warmth (N, n) and dt (N, 1) of each part."""
+        out = []
+        for q, v, warmth, dt in self.parts:
+            moved, anchor = np.empty_like(q), q[0]
+            for k, now in enumerate(q):
+                moved[k], anchor = _beyond_noise(now, anchor)
+            out.append((moved, np.concatenate([v[:1], v[:-1]]), v, warmth, dt[:, None]))
+        return out
+
+    @staticmethod
+    def _follow(count, places, rows):
+        """Return friction (L, K of all) of `count` parts at places (joints, figures ...) of each."""
+        *motion, dt = rows
+        n, (joints, *figures) = motion[0].shape[1] // count, places
+        travels, powers, *peak = (np.tile(figure, count) for figure in figures)
+        joints = np.concatenate([joints + k * n for k in range(count)])
+        contacts, width = _Contacts(travels, powers), len(joints) // count
+        stages, out = np.zeros((3, len(joints))), np.empty((len(dt), len(joints)))
+        for first in range(0, len(dt), ROWS):
+            some = slice(first, first + ROWS)
+            moved, before, now, warmth = (values[some, joints] for values in motion)
+            levels = left(_speeds(before, now), warmth[:, None], *peak) if peak else None
+            for k, ways in enumerate(_rows(contacts.ways(moved, levels)), first):
+                stages = _all_filtered(stages, contacts.bend(*ways), dt[k], width)
+                out[k] = stages[2]
+        return out
+
+
+def _rows(arrays):
+    """Yield the rows of arrays, None for what is none."""
+    return zip(*(repeat(None) if values is None else values for values in arrays))
+
+
+def _all_filtered(stages, friction, dt, width):
+    """Return the stages (3, K of all) of parts side by side, `width` places each, dt (count,)."""
+    if (dt == dt[0]).all():
+        return _filtered(stages, friction, dt[0])
+    return np.hstack([_filtered(stages[:, own], friction[:, own], step) for own, step in
+                      ((slice(k * width, k * width + width), step) for k, step in enumerate(dt))])
 
 
 def shown_along(q, v, a, dt, warmth, jerk=None):
