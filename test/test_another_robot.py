@@ -14,7 +14,7 @@ from hand_load_estimator.benchmark.real_robots import write_robot_file
 from hand_load_estimator.benchmark.real_sets import SETS, stage
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.another_robot import GAIN, refuse_another_robot
+from hand_load_estimator.residual.doubts.another_robot import GAIN, refuse_another_robot
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
 

@@ -5,8 +5,8 @@ import pytest
 
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_scores import only_widely, totals
-from hand_load_estimator.residual.confusable import NO_MOTION
 from hand_load_estimator.residual.diagnosis import CONFIRMED
+from hand_load_estimator.residual.tracing.confusable import NO_MOTION
 
 RESONANCE = 'speed_resonance_friction'
 

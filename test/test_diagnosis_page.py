@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
-from hand_load_estimator.residual.confusable import NO_MOTION
 from hand_load_estimator.residual.diagnosis import (Alternative, Evidence, Finding, LoadError,
                                                     Picture, SUSPECTED, UNKNOWN)
+from hand_load_estimator.residual.tracing.confusable import NO_MOTION
 
 
 @pytest.fixture(scope='module', name='read')

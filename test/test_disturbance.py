@@ -16,11 +16,11 @@ from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual import explanation
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
-from hand_load_estimator.residual.disturbance import undisturbed
-from hand_load_estimator.residual.disturbance_findings import (disturbance_findings,
-                                                                findings_again)
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.outside import outside_of
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.outside.disturbance import undisturbed
+from hand_load_estimator.residual.outside.disturbance_findings import (disturbance_findings,
+                                                                       findings_again)
+from hand_load_estimator.residual.outside.outside import outside_of
 
 FORCE, LOAD = np.array([12.0, -9.0, 15.0]), block(1.5)
 

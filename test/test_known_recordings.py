@@ -15,8 +15,8 @@ from hand_load_estimator.recording import read_recording
 from hand_load_estimator.report.diagnosis_json import diagnosis_content
 from hand_load_estimator.report.diagnosis_page import page
 from hand_load_estimator.residual.diagnose import diagnose, errors_of
-from hand_load_estimator.residual.known_recordings import (known_by_name_only, known_names,
-                                                           made_from)
+from hand_load_estimator.residual.doubts.known_recordings import (known_by_name_only, known_names,
+                                                                  made_from)
 from hand_load_estimator.torque.model_file import read_model, write_model
 
 

@@ -8,7 +8,7 @@ from residual_helpers import (cable, declared_model, diagnosed, on, recorded, ri
                               warming)
 
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.odd_recording import odd_recordings
+from hand_load_estimator.residual.doubts.odd_recording import odd_recordings
 
 
 @pytest.mark.parametrize('hidden', [(), (on(1, 5.0, viscous),),

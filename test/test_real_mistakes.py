@@ -15,7 +15,7 @@ from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.recording import read_recording
-from hand_load_estimator.residual.wrong_joint import wrong_joint
+from hand_load_estimator.residual.doubts.wrong_joint import wrong_joint
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.stream.joint_stream import motion_of
 

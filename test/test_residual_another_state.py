@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from residual_helpers import declared_model, diagnosed, on, viscous
 
-from hand_load_estimator.residual.another_state import FAR, of_another_state
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
+from hand_load_estimator.residual.doubts.another_state import FAR, of_another_state
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)

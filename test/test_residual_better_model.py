@@ -10,8 +10,8 @@ from test_known_recordings import on_disk
 
 from hand_load_estimator.residual.add import better_model, WIDER
 from hand_load_estimator.residual.diagnose import errors_of
-from hand_load_estimator.residual.hypotheses import with_effect
-from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.hypotheses import with_effect
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.torque.columns import effect_slices
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hand_load_estimator.residual.blocks import Blocks
+from hand_load_estimator.residual.measured.blocks import Blocks
 
 ROWS, JOINTS = 240, 3
 STARTS = np.array([0, 30, 75, 100, 140, 190])

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hand_load_estimator.residual.blocks import Score
-from hand_load_estimator.residual.candidate import (Candidate, joined, significant, single,
-                                                    standard_error, Step)
-from hand_load_estimator.residual.choice import chosen_step
-from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.residual.trace import Trace
+from hand_load_estimator.residual.measured.blocks import Score
+from hand_load_estimator.residual.tracing.candidate import (Candidate, joined, significant, single,
+                                                            standard_error, Step)
+from hand_load_estimator.residual.tracing.choice import chosen_step
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.trace import Trace
 
 
 @pytest.mark.parametrize('gains, sure', [

@@ -6,11 +6,11 @@ import numpy as np
 from plant_helpers import ur10e
 import pytest
 
-from hand_load_estimator.residual.candidate import Candidate
-from hand_load_estimator.residual.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION, PAIRS,
-                                                     partners, same_torque)
 from hand_load_estimator.residual.findings import separating_motion
-from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.candidate import Candidate
+from hand_load_estimator.residual.tracing.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION,
+                                                             PAIRS, partners, same_torque)
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.robot import robot_from_content
 
 

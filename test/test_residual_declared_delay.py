@@ -9,8 +9,8 @@ from residual_helpers import declared_model, diagnosed, noise_of, recorded, told
 
 from hand_load_estimator.effects import LATE
 from hand_load_estimator.residual.add import better_model, identified_again
-from hand_load_estimator.residual.find import declared_delays, find_residual
-from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.residual.measured.find import declared_delays, find_residual
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.torque.columns import EffectUse
 from hand_load_estimator.torque_model import TorqueModel
 

@@ -8,12 +8,12 @@ from residual_helpers import (assert_repaired, clean_runs, constant_friction, de
                               diagnosed, noise_of, on, recorded, ripple, SECONDS, told)
 
 from hand_load_estimator.identification.regression_system import System
-from hand_load_estimator.residual.delay_among_others import delay_among, delayed
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import hypotheses, of_shapes
-from hand_load_estimator.residual.hypothesis import beside_delays
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.delay_among_others import delay_among, delayed
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses, of_shapes
+from hand_load_estimator.residual.tracing.hypothesis import beside_delays
 from hand_load_estimator.torque.columns import EffectUse
 from hand_load_estimator.torque.model_file import read_model, write_model
 

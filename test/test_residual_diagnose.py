@@ -7,7 +7,7 @@ from residual_helpers import (assert_repaired, cable, clean_runs, declared_model
 
 from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.measured.find import find_residual
 
 
 def test_the_better_model_holds_what_the_report_says():

@@ -8,7 +8,7 @@ from residual_helpers import declared_model, recorded
 
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
-from hand_load_estimator.residual.few_temperatures import between_two_temperatures
+from hand_load_estimator.residual.doubts.few_temperatures import between_two_temperatures
 
 JOINTS = declared_model().robot.joints
 NAME = 'temperature_dependent_viscous_friction'

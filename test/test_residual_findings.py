@@ -11,13 +11,13 @@ from test_known_recordings import made_of, on_disk
 
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.residual.add import better_model
-from hand_load_estimator.residual.blocks import Score
-from hand_load_estimator.residual.candidate import Candidate, Step
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
 from hand_load_estimator.residual.findings import refuted
-from hand_load_estimator.residual.hypothesis import Hypothesis
+from hand_load_estimator.residual.measured.blocks import Score
 from hand_load_estimator.residual.pictures import picture, travel as travel_since_reversal
+from hand_load_estimator.residual.tracing.candidate import Candidate, Step
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 
 JOINT = 1
 

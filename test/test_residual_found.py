@@ -11,14 +11,14 @@ from test_residual_delay_among_others import DELAY, JOINT, late_with
 from hand_load_estimator.effects import EFFECTS, LATE
 from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.identification.regression_system import System
-from hand_load_estimator.residual.candidate import single, Step
 from hand_load_estimator.residual.diagnosis import UNKNOWN
-from hand_load_estimator.residual.find import find_residual, use_of
-from hand_load_estimator.residual.finer_shape import best_of_each
-from hand_load_estimator.residual.found import Found
-from hand_load_estimator.residual.hypotheses import hypotheses, of_shapes
-from hand_load_estimator.residual.together import Together
-from hand_load_estimator.residual.trace import Trace
+from hand_load_estimator.residual.measured.find import find_residual, use_of
+from hand_load_estimator.residual.tracing.candidate import single, Step
+from hand_load_estimator.residual.tracing.finer_shape import best_of_each
+from hand_load_estimator.residual.tracing.found import Found
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses, of_shapes
+from hand_load_estimator.residual.tracing.together import Together
+from hand_load_estimator.residual.tracing.trace import Trace
 
 NEEDED = 30.0
 

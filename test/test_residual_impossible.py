@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from residual_helpers import declared_model, on, recorded, viscous
 
-from hand_load_estimator.residual.blocks import Score
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
-from hand_load_estimator.residual.hypothesis import Hypothesis, physical
-from hand_load_estimator.residual.impossible import impossible, on_wrong_footing
+from hand_load_estimator.residual.doubts.impossible import impossible, on_wrong_footing
+from hand_load_estimator.residual.measured.blocks import Score
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis, physical
 
 
 def with_value(name, joint, value, std):

@@ -9,10 +9,11 @@ import pytest
 from residual_helpers import cable, cut, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.hypotheses import hypotheses
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.limits import (refuse_the_useless, slow_joint_states,
-                                                 still_joints, too_little_gained, warmed_joints)
+from hand_load_estimator.residual.doubts.limits import (refuse_the_useless, slow_joint_states,
+                                                        still_joints, too_little_gained,
+                                                        warmed_joints)
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses
 
 
 def moving(evidence, joint=None, **changes):

@@ -8,7 +8,7 @@ import pytest
 
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding, Structure,
                                                     SUSPECTED, UNKNOWN)
-from hand_load_estimator.residual.mostly_structure import mostly_structure
+from hand_load_estimator.residual.doubts.mostly_structure import mostly_structure
 
 JOINTS = declared_model().robot.joints
 ROWS, DT = 3000, 0.02

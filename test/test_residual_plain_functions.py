@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hand_load_estimator.residual.plain_functions import hats
+from hand_load_estimator.residual.tracing.plain_functions import hats
 
 
 def test_hats_make_any_smooth_function():

@@ -8,9 +8,9 @@ from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.folds import cut_into_blocks
-from hand_load_estimator.residual.repeats import first_shown, share_repeated, share_shown
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.measured.folds import cut_into_blocks
+from hand_load_estimator.residual.measured.repeats import first_shown, share_repeated, share_shown
 from hand_load_estimator.torque.columns import motion_input, torque_columns
 
 DT, JOINTS = 0.02, 4

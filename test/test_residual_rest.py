@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.motion import Motion, MotionFilter
-from hand_load_estimator.residual.rest import rest_of
+from hand_load_estimator.residual.measured.rest import rest_of
 
 JOINTS = 40
 

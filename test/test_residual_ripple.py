@@ -5,8 +5,8 @@ import pytest
 
 from hand_load_estimator.effects.torque_ripple import waves
 from hand_load_estimator.motion import MotionFilter
-from hand_load_estimator.residual.blocks import Blocks
-from hand_load_estimator.residual.ripple import CANDIDATES, likely_periods, NEAR, TURNS
+from hand_load_estimator.residual.measured.blocks import Blocks
+from hand_load_estimator.residual.tracing.ripple import CANDIDATES, likely_periods, NEAR, TURNS
 
 
 def wave(q, v, periods, phase):

@@ -12,8 +12,8 @@ from hand_load_estimator.benchmark.real_sets import SETS
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import hypotheses
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses
 from hand_load_estimator.torque.columns import torque_columns
 
 SENSOR = {'kind': 'link_torque', 'includes_configured_load': False}

@@ -6,10 +6,10 @@ from residual_helpers import declared_model, Hidden, noise_of, on, play, recorde
 
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.effects.torque_ripple import waves
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.residual.shape_fit import settled
-from hand_load_estimator.residual.shape_std import shape_std
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.shape_fit import settled
+from hand_load_estimator.residual.tracing.shape_std import shape_std
 
 
 def late(run: Hidden):

@@ -7,10 +7,10 @@ import pytest
 from test_residual_ripple import waving
 
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.residual.blocks import Blocks
-from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.residual.ripple import likely_periods
-from hand_load_estimator.residual.shape_std import _std, shape_std
+from hand_load_estimator.residual.measured.blocks import Blocks
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.ripple import likely_periods
+from hand_load_estimator.residual.tracing.shape_std import _std, shape_std
 
 MODEL = SimpleNamespace(uses=())
 

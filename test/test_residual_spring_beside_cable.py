@@ -8,7 +8,7 @@ import pytest
 from residual_helpers import declared_model, diagnosed, on
 
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
-from hand_load_estimator.residual.spring_beside_cable import further_terms, WHOLE_TURN
+from hand_load_estimator.residual.doubts.spring_beside_cable import further_terms, WHOLE_TURN
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)

@@ -7,10 +7,11 @@ import pytest
 from residual_helpers import (cable, clean_runs, declared_model, Hidden, noise_of, on, recorded,
                               resonance, SECONDS, viscous, warming)
 
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.foretelling import Foretelling
-from hand_load_estimator.residual.plain_functions import hats
-from hand_load_estimator.residual.structure import followed, ORDER, structures, TEMPERATURE
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.measured.foretelling import Foretelling
+from hand_load_estimator.residual.measured.structure import (followed, ORDER, structures,
+                                                             TEMPERATURE)
+from hand_load_estimator.residual.tracing.plain_functions import hats
 
 JOINT, OTHER = 1, 3
 WARMED = (0, 1, 2, 3)

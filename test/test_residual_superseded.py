@@ -5,12 +5,12 @@ import pytest
 from residual_helpers import (constant_friction, declared_model, on, peak, recorded, ripple,
                               thinning, viscous)
 
-from hand_load_estimator.residual.candidate import single, Step
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.finer_shape import best_of_each, search_around
-from hand_load_estimator.residual.found import Found
-from hand_load_estimator.residual.hypotheses import of_joint
-from hand_load_estimator.residual.superseded import take_back
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.candidate import single, Step
+from hand_load_estimator.residual.tracing.finer_shape import best_of_each, search_around
+from hand_load_estimator.residual.tracing.found import Found
+from hand_load_estimator.residual.tracing.hypotheses import of_joint
+from hand_load_estimator.residual.tracing.superseded import take_back
 
 JOINT, NEEDED = 1, 30.0
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from residual_helpers import constant_friction, declared_model, on, recorded, thinning, viscous
 
-from hand_load_estimator.residual.candidate import ahead, Candidate, significant
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.finer_shape import finer
-from hand_load_estimator.residual.hypothesis import Hypothesis
-from hand_load_estimator.residual.together import _step, Together
-from hand_load_estimator.residual.trace import Trace
-from hand_load_estimator.residual.unfounded import EXACT
+from hand_load_estimator.residual.doubts.unfounded import EXACT
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.candidate import ahead, Candidate, significant
+from hand_load_estimator.residual.tracing.finer_shape import finer
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.together import _step, Together
+from hand_load_estimator.residual.tracing.trace import Trace
 
 NEEDED = 30.0
 

@@ -10,12 +10,12 @@ from residual_helpers import (a_little_late, assert_only, assert_repaired, cable
                               thinning, told, turned_late, viscous, warming)
 
 from hand_load_estimator.effects import EFFECTS
-from hand_load_estimator.residual.candidate import single
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypotheses import hypotheses
-from hand_load_estimator.residual.leaning_base import turned as turned_exactly
-from hand_load_estimator.residual.trace import Trace
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.candidate import single
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses
+from hand_load_estimator.residual.tracing.leaning_base import turned as turned_exactly
+from hand_load_estimator.residual.tracing.trace import Trace
 
 
 # Nothing, and one.

@@ -14,12 +14,12 @@ from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding,
                                                      SUSPECTED, UNKNOWN)
-from hand_load_estimator.residual.find import find_residual
-from hand_load_estimator.residual.hypothesis import Hypothesis, looks_like_another
-from hand_load_estimator.residual.trace import Trace
-from hand_load_estimator.residual.unfounded import (EXACT, faint_in, of_another_kind,
-                                                    small_beside_others, unsure_in,
-                                                    without_unsure)
+from hand_load_estimator.residual.doubts.unfounded import (EXACT, faint_in, of_another_kind,
+                                                           small_beside_others, unsure_in,
+                                                           without_unsure)
+from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing.hypothesis import Hypothesis, looks_like_another
+from hand_load_estimator.residual.tracing.trace import Trace
 
 JOINTS = declared_model().robot.joints
 EVIDENCE = Evidence(100.0, 10.0, 30.0, 12, 900, 1.0)

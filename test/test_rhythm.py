@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
-from hand_load_estimator.residual.rhythm import rhythm
-from hand_load_estimator.residual.unknown import unknown_left
+from hand_load_estimator.residual.doubts.unknown import unknown_left
+from hand_load_estimator.residual.measured.rhythm import rhythm
 
 STEP, SECONDS, JOINTS = 0.02, 40.0, 3
 NEEDED = 100.0   # [nats]

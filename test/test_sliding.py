@@ -7,7 +7,7 @@ from test_residual_watch import JOINT, rubbed, watched
 
 from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.residual.find import find_residual
+from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.stream.joint_stream import motion_of
 from hand_load_estimator.torque.sliding import BLOCK, FEWEST_SECONDS, sliding_rms, surely_slides
 

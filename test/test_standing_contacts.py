@@ -9,7 +9,7 @@ from diagnose_helpers import (assert_schema, diagnosed, EMPTY, model, recorded, 
 import numpy as np
 import pytest
 
-from hand_load_estimator.residual.standing import BREAKS
+from hand_load_estimator.residual.outside.standing import BREAKS
 
 PUSH = (4.0, 5.0)      # [s]
 

@@ -13,8 +13,8 @@ import pytest
 from hand_load_estimator.report import diagnosis_json, diagnosis_page
 from hand_load_estimator.report.structure_figures import pairs_svg, variables_svg
 from hand_load_estimator.residual.diagnosis import Structure
-from hand_load_estimator.residual.not_named import not_named, sentences_on, SMALLEST
-from hand_load_estimator.residual.structure import ORDER
+from hand_load_estimator.residual.doubts.not_named import not_named, sentences_on, SMALLEST
+from hand_load_estimator.residual.measured.structure import ORDER
 
 ELBOW, WRIST = 2, 4
 

@@ -9,7 +9,8 @@ import pytest
 from residual_helpers import cut, recorded
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.time_left import long_loads, many_rejected, refuse_too_short
+from hand_load_estimator.residual.doubts.time_left import (long_loads, many_rejected,
+                                                           refuse_too_short)
 
 
 def disturbed(name, run, first, stop, mass=0.0):

@@ -8,8 +8,8 @@ import pytest
 from residual_helpers import cable, constant_friction, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
-from hand_load_estimator.residual.another_robot import refuse_another_robot
-from hand_load_estimator.residual.wrong_joint import wrong_joint
+from hand_load_estimator.residual.doubts.another_robot import refuse_another_robot
+from hand_load_estimator.residual.doubts.wrong_joint import wrong_joint
 
 
 def told(torque=None, **motion):

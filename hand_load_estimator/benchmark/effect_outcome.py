@@ -1,7 +1,7 @@
 """What a diagnosis came to: each hidden effect found, named beside, confused, or missed."""
 
-from ..residual.confusable import NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
+from ..residual.tracing.confusable import NO_MOTION
 from .effect_cases import FROM_OUTSIDE, NOT_IN_VOCABULARY
 
 FOUND = 'found'

@@ -73,7 +73,7 @@ def run(args):
     from ..identification.identified_sense import nonsense, refuse_nonsense
     from ..torque.model_file import read_model, SCHEMA, write_model
     from ..files.output_file import output_file
-    from ..residual.repeats import share_repeated
+    from ..residual.measured.repeats import share_repeated
     from ..robot import load_robot
     from ..files.shared_files import find_shared
     from ..torque.unknown_friction import told_of_unknown_friction

@@ -2,7 +2,7 @@
 
 import math
 
-from ..residual.not_named import not_named
+from ..residual.doubts.not_named import not_named
 
 SCHEMA = 'hand_load/diagnosis/1'
 

@@ -5,8 +5,8 @@ from html import escape
 
 from ..effects import DESCRIBED, EFFECTS
 from ..effects.knee import KNEE
-from ..residual.confusable import NO_KNOWN_MOTION, NO_MOTION
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
+from ..residual.tracing.confusable import NO_KNOWN_MOTION, NO_MOTION
 from .diagnosis_figures import effect_svg
 from .page_parts import html_image, html_table
 from .words import (as_sentence, behind_text, items_html, label_html, list_text, name_words,

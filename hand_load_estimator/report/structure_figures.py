@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..residual.not_named import real
+from ..residual.doubts.not_named import real
 from .svg import svg_of
 
 _DARK = 0.55             # share from which on a cell's figure is written in white

@@ -1,6 +1,6 @@
 """The section of a diagnosis page on where the residual lives, before and after."""
 
-from ..residual.not_named import follows
+from ..residual.doubts.not_named import follows
 from .page_parts import html_image, html_table
 from .structure_figures import pairs_svg, variables_svg
 from .words import items_html, label_html, list_text, number_text, share_text

@@ -14,12 +14,12 @@ from ..identification.residual_noise import (density, drift_of, known_joints, rm
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
-from .confusable import partners
 from .diagnosis import UNKNOWN
-from .find import declared_delays
-from .hypotheses import with_effect
-from .hypothesis import DOUBTFUL, EFFECT_FACTOR, LINK_FACTOR
-from .known_recordings import made_from
+from .doubts.known_recordings import made_from
+from .measured.find import declared_delays
+from .tracing.confusable import partners
+from .tracing.hypotheses import with_effect
+from .tracing.hypothesis import DOUBTFUL, EFFECT_FACTOR, LINK_FACTOR
 
 # What is known of the arm from before stays known, with standard deviations so much wider; of
 # joints that the recordings do not move, as it was.

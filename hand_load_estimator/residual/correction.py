@@ -6,7 +6,7 @@ import numpy as np
 
 from .add import identified_again
 from .diagnosis import UNKNOWN, Correction
-from .find import use_of
+from .measured.find import use_of
 
 # What a correction can be a function of, and the field of EffectInput that holds it.
 FUNCTIONS = {'velocity': ('learned_velocity_correction', 'v'),

@@ -7,32 +7,32 @@ import numpy as np
 from ..files.recording_mark import refuse_repeats
 from ..identification.clipped_effort import clipped_efforts
 from ..torque.sliding import sliding_rms
-from .another_robot import refuse_another_robot
-from .another_state import of_another_state
-from .as_expected import expected_changes
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
-from .disturbance_findings import findings_again
+from .doubts.another_robot import refuse_another_robot
+from .doubts.another_state import of_another_state
+from .doubts.as_expected import expected_changes
+from .doubts.few_temperatures import between_two_temperatures
+from .doubts.impossible import on_wrong_footing
+from .doubts.known_recordings import known_by_name_only, known_names
+from .doubts.limits import refuse_the_useless, slow_joint_states, still_joints, too_little_gained
+from .doubts.mostly_structure import mostly_structure
+from .doubts.not_named import sentences_on
+from .doubts.odd_recording import odd_recordings
+from .doubts.spring_beside_cable import further_terms
+from .doubts.time_left import long_loads, many_rejected
+from .doubts.unfounded import (faint_in, of_another_kind, small_beside_others, unsure_in,
+                               without_unsure)
+from .doubts.unknown import unexplained_joints, unknown_left
 from .explanation import explain
-from .few_temperatures import between_two_temperatures
-from .find import find_residual
 from .findings import findings_of, refuted
-from .folds import only_suspected, repeated
-from .impossible import on_wrong_footing
-from .known_recordings import known_by_name_only, known_names
-from .limits import refuse_the_useless, slow_joint_states, still_joints, too_little_gained
-from .mostly_structure import mostly_structure
-from .not_named import sentences_on
-from .odd_recording import odd_recordings
-from .rest import rest_of
-from .spring_beside_cable import further_terms
-from .standing_diagnosis import diagnose_standing, only_stands
-from .structure import structures
-from .time_left import long_loads, many_rejected
-from .trace import ROUNDS
-from .unfounded import (faint_in, of_another_kind, small_beside_others, unsure_in,
-                        without_unsure)
-from .unknown import unexplained_joints, unknown_left
+from .measured.find import find_residual
+from .measured.folds import only_suspected, repeated
+from .measured.rest import rest_of
+from .measured.structure import structures
+from .outside.disturbance_findings import findings_again
+from .outside.standing_diagnosis import diagnose_standing, only_stands
+from .tracing.trace import ROUNDS
 
 
 def diagnose(model, evidence, test=(), progress=lambda text: None):

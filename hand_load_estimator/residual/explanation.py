@@ -7,14 +7,14 @@ import numpy as np
 from ..errors import RecordingError
 from ..identification.identify import prior
 from .add import better_model
-from .disturbance_findings import at
-from .find import Residual
-from .known_recordings import made_from
-from .limits import refuse_the_useless, usable_residual, warmed_joints
-from .outside import Outside, outside_again, outside_of
-from .time_left import refuse_too_short
-from .trace import Trace
-from .unknown import left_over
+from .doubts.known_recordings import made_from
+from .doubts.limits import refuse_the_useless, usable_residual, warmed_joints
+from .doubts.time_left import refuse_too_short
+from .doubts.unknown import left_over
+from .measured.find import Residual
+from .outside.disturbance_findings import at
+from .outside.outside import Outside, outside_again, outside_of
+from .tracing.trace import Trace
 
 # Times that recordings are traced again without what only the better model has shown.
 AGAIN = 2

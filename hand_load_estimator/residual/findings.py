@@ -6,12 +6,12 @@ import numpy as np
 
 from ..effects import EFFECTS, LINK_INERTIA
 from ..effects.knee import KNEE
-from .candidate import ahead, hypotheses_of, significant
-from .confusable import advice, NO_MOTION, same_torque
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
+from .doubts.unknown import left_over
 from .pictures import picture
-from .shape_std import shape_std
-from .unknown import left_over
+from .tracing.candidate import ahead, hypotheses_of, significant
+from .tracing.confusable import advice, NO_MOTION, same_torque
+from .tracing.shape_std import shape_std
 
 _MOST_PICTURES = 3
 # A model is worse at a joint where the error of recordings kept for the test grows by this factor.

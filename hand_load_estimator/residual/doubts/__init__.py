@@ -1,0 +1,1 @@
+"""What speaks against recordings, models and findings, each said in a sentence."""

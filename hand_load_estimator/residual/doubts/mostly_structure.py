@@ -1,0 +1,40 @@
+"""Joints of whose residual the larger part is structure that has no name: `unknown`."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
+from ..measured.rest import rest_of
+from .not_named import not_named
+from .unknown import strongest
+
+# Share of the variance that is surely structure, after everything found.
+SHARE = 0.5
+
+
+def mostly_structure(robot, residual, rest, findings, structure, trials):
+    """
+    Return Findings of suspected `unknown` effects, where none is named yet.
+
+    rest (N, n) [Nm]: what is left of a Residual after everything found; structure: (Structure
+    before, Structure after). Of recordings that were diagnosed, never of those kept for the test.
+    Where something acted from outside nothing is added.
+    """
+    left = rest_of(np.where(residual.moving & (residual.weights > 0.0), rest, np.nan), residual.dt,
+                   residual.messages, residual.owner)
+    told = {name for f in findings for name in f.joints
+            if f.name == UNKNOWN or (f.recording and f.verdict == CONFIRMED)}
+    follows = not_named(structure, robot.joints)
+    chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trials, np.nan)
+    found = []
+    for j, name in enumerate(robot.joints):
+        if left.least_structure[j] > SHARE and name not in told:
+            variables = tuple(what for what, _ in follows[j]) or ('time',)
+            found.append(Finding(
+                UNKNOWN, (name,), {}, np.zeros(robot.n),
+                replace(chance, rms=float(left.rms[j])), (),
+                'no effect of the vocabulary fits; what is left is mostly structure and depends '
+                f'on {", ".join(variables)}', False, SUSPECTED,
+                (strongest(robot, residual, rest, j),), variables))
+    return tuple(found)

@@ -1,0 +1,97 @@
+"""What no effect explains: joints whose residual keeps its structure, and its rhythm in time."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding, Picture
+from ..measured.rhythm import rhythm
+from ..measured.structure import followed
+from ..tracing.trace import UNKNOWN_FACTOR
+
+# Of the residual's structure more than this share is left, and it is so many times the noise.
+SHARE, TIMES_NOISE = 0.5, 1.5
+# A function of one variable explains at least this share.
+FOLLOWS = 0.4
+
+
+def left_over(robot, blocks):
+    """Return the residual (N, n) [Nm] after everything found."""
+    return np.stack([blocks.left_over(j) for j in range(robot.n)], axis=1)
+
+
+def _rms(values, rows):
+    count = np.maximum(rows.sum(axis=0), 1)
+    return np.sqrt(np.where(rows, values ** 2, 0.0).sum(axis=0) / count)
+
+
+def unexplained_joints(residual, rest):
+    """
+    Return the indices of joints whose residual stays structured after everything found.
+
+    rest (N, n) [Nm].
+    """
+    rows = residual.moving & (residual.weights > 0.0)
+    noise = residual.noise
+    first, last = (np.sqrt(np.maximum(_rms(values, rows) ** 2 - noise ** 2, 0.0))
+                   for values in (residual.residual, rest))
+    return tuple(int(j) for j in np.flatnonzero(
+        (last > SHARE * first) & (last > TIMES_NOISE * noise)))
+
+
+def unknown_left(model, residual, rest, left, trace):
+    """
+    Return Findings for joints no effect explains: of the variable they follow, or in time.
+
+    Joints without a variable of their own are one finding: confirmed where they ring, which
+    recordings tell that did not choose the frequency; else all that is known is that time goes on.
+    """
+    known = {j for step in trace.steps for j in step.chosen.joints
+             if step.chosen.name == UNKNOWN}
+    joints = [j for j in left if j not in known]
+    follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
+    chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trace.trials, np.nan)
+    found = [_finding(model, residual, rest, [j], variable, chance)
+             for j, (variable, share) in follows.items() if share > FOLLOWS]
+    restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
+    if restless:
+        motion = np.hstack([residual.x.v, residual.x.a])
+        rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
+        needed = UNKNOWN_FACTOR * trace.needed
+        if rings is not None and rings.sure(needed):
+            evidence = Evidence(rings.gain, rings.gain_std, needed, rings.windows, trace.trials,
+                                np.nan)
+            found.append(_ringing(_finding(model, residual, rest, restless, 'time', evidence),
+                                  rings, restless))
+        else:
+            found.append(_finding(model, residual, rest, restless, 'time', chance))
+    return tuple(found)
+
+
+def _ringing(finding, rings, joints):
+    """Return a Finding of joints (indices), confirmed by a Rhythm; explained: what rings."""
+    explained = finding.explained.copy()
+    explained[joints] = rings.share
+    return replace(finding, parameters={'frequency': (rings.frequency, rings.scatter, 'Hz')},
+                   explained=explained, verdict=CONFIRMED)
+
+
+def _finding(model, residual, rest, joints, variable, evidence):
+    rms = float(_rms(rest, residual.moving)[joints].max())
+    names = tuple(model.robot.joints[j] for j in joints)
+    return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
+                   replace(evidence, rms=rms), (),
+                   f'no effect of the vocabulary fits; what is left depends on {variable}', False,
+                   SUSPECTED, (strongest(model.robot, residual, rest, joints[0]),), (variable,))
+
+
+def strongest(robot, residual, rest, j):
+    """Return a Picture of the strongest ten seconds of what is left of joint j."""
+    time = np.cumsum(residual.dt)
+    width = max(8, int(10.0 / np.median(residual.dt)))
+    energy = np.convolve(rest[:, j] ** 2, np.ones(width), 'valid')
+    first = int(np.argmax(energy)) if len(energy) else 0
+    rows = slice(first, first + width)
+    zero = np.zeros(len(rest[rows]))
+    return Picture(robot.joints[j], 'time [s]', time[rows] - time[rows][0], rest[rows, j],
+                   zero, zero, zero, zero)

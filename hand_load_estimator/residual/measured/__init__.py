@@ -1,0 +1,1 @@
+"""Residuals of recordings: what of them is noise, what is structure, what is held out."""

@@ -1,0 +1,1 @@
+"""What acts on the arm from outside for a time: contacts, other loads."""

@@ -1,0 +1,55 @@
+"""Find the periods of a ripple in the residual: no list, a spectrum over position."""
+
+import numpy as np
+
+from ...effects.torque_ripple import waves
+
+LOWEST, HIGHEST = 4.0, 400.0   # [1/turn]
+CANDIDATES = 3
+# A ripple faster than this [rad/s] does not come through the motion filter.
+FASTEST = 250.0
+# A peak is refined so often, with so many periods near it each time.
+TURNS, NEAR = 3, 9
+
+
+def likely_periods(q, v, residual, weights):
+    """
+    Return periods per turn (<= CANDIDATES,) that explain most of a residual, and of how many.
+
+    q [rad], v [rad/s], residual [Nm], weights, (N,) each. Empty where the joint hardly moves.
+    """
+    span = float(np.ptp(q))
+    if span < 0.05:
+        return np.zeros(0), 0
+    step = 0.25 * 2.0 * np.pi / span
+    lowest = max(LOWEST, 3.0 * 2.0 * np.pi / span)
+    grid = np.arange(lowest, HIGHEST, step)
+    power = np.array([_explained(q, v, residual, weights, p) for p in grid])
+    peaks = [k for k in range(1, len(grid) - 1)
+             if power[k] >= power[k - 1] and power[k] > power[k + 1]]
+    best = sorted(peaks, key=lambda k: -power[k])[:CANDIDATES]
+    # The grid is four times finer than periods are told apart; what refines a peak counts whole.
+    return (np.array([_refined(q, v, residual, weights, grid[k], step) for k in best]),
+            len(grid) // 4 + len(best) * TURNS * NEAR)
+
+
+def _explained(q, v, residual, weights, periods):
+    """Return the weighted squares that a sine of this period takes off the residual."""
+    slow = np.abs(periods * v) < FASTEST
+    w = weights * slow
+    sine, cosine = waves(q, v, periods)
+    ss, cc, sc = (w * sine) @ sine, (w * cosine) @ cosine, (w * sine) @ cosine
+    sr, cr = (w * sine) @ residual, (w * cosine) @ residual
+    determinant = ss * cc - sc * sc
+    if determinant <= 1e-9 * max(ss, cc, 1e-30) ** 2:
+        return 0.0
+    return (cc * sr * sr - 2.0 * sc * sr * cr + ss * cr * cr) / determinant
+
+
+def _refined(q, v, residual, weights, periods, step):
+    """Return the best period near a peak of the grid."""
+    for _ in range(TURNS):
+        near = periods + step * np.linspace(-1.0, 1.0, NEAR)
+        periods = near[np.argmax([_explained(q, v, residual, weights, p) for p in near])]
+        step /= 4.0
+    return periods
