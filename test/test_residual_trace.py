@@ -261,6 +261,23 @@ def test_two_effects_that_look_like_a_third_together_are_both_found(joint, times
     assert all(f.evidence.margin is None or f.evidence.margin > -2.0 for f in diagnosis.findings)
 
 
+def test_two_with_names_are_told_where_one_without_leaves_nothing():
+    """Friction of unequal levels beside more of it is a function of velocity, and has two names."""
+    def unequal(run):
+        return np.abs(np.sign(run.x.v))
+    diagnosis, _ = diagnosed(on(1, 3.0, unequal), on(1, 3.0, constant_friction))
+    joint = (declared_model().robot.joints[1],)
+    found = told(diagnosis)
+    assert set(found) in ({'coulomb_friction', 'friction_asymmetry'},
+                          {'coulomb_friction', 'torque_offset'})
+    assert set(found.values()) == {joint}
+    one = next(f for f in diagnosis.findings if f.name != 'coulomb_friction')
+    # Both are constant while the joint slides one way: neither is told without the other.
+    assert {one.name, *(other.name for other in one.alternatives)} \
+        >= {'friction_asymmetry', 'torque_offset'}
+    assert_repaired(diagnosis, 1)
+
+
 def test_what_has_no_name_is_unknown_with_its_variable():
     """Friction with a narrow peak in speed must not become Stribeck, ripple or a contact."""
     diagnosis, better = diagnosed(on(2, 4.0, resonance))

@@ -22,8 +22,9 @@ from ..tracing.hypothesis import WHOLE
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
 EXACT = 0.05
 # Held-out blocks have told that there is something. Figures that chance makes as large as they are
-# in more than the rest of this (one standard deviation of one figure) are none of it.
-CERTAIN = 0.68
+# in more than the rest of this are none of it: two standard deviations of one figure; one where
+# another effect is named beside it, which may have the rest.
+CERTAIN, SHARED = 0.95, 0.68
 # Directions of a covariance below this share of their own units are rounding.
 ROUNDING = 1e-9
 
@@ -132,12 +133,13 @@ def unsure_in(model, better, trace):
         chosen, joints = step.chosen, model.robot.joints
         if chosen.name in (UNKNOWN, 'base_tilt', LATE) or chosen.common:
             continue
+        certain = SHARED if step.alternatives else CERTAIN
         found[chosen.name, tuple(joints[j] for j in chosen.joints)] = tuple(
-            joints[h.joint] for h, _ in chosen.parts if not _sure(model, better, h))
+            joints[h.joint] for h, _ in chosen.parts if not _sure(model, better, h, certain))
     return found
 
 
-def _sure(model, better, hypothesis):
+def _sure(model, better, hypothesis, certain):
     """Tell whether the better model surely holds something, or something new, of a Hypothesis."""
     (shape, where), old = _place(better, hypothesis), _place(model, hypothesis)
     same = old is not None and old[0] == shape
@@ -147,7 +149,7 @@ def _sure(model, better, hypothesis):
     values, axes = np.linalg.eigh(better.covariance[where, where] / np.outer(unit, unit))
     told = values > ROUNDING
     square = np.sum((change / unit @ axes[:, told]) ** 2 / values[told])
-    return bool(square > chi2.ppf(CERTAIN, told.sum()))
+    return bool(square > chi2.ppf(certain, told.sum()))
 
 
 def _place(model, hypothesis):

@@ -30,7 +30,9 @@ def take_back(found, model, warmed, possible):
             continue
         blocks = found.beside(last, earlier)
         alone = searched_again(last.chosen, blocks, model, found.residual, warmed)
-        if possible(alone) and not _two(earlier, last, alone, blocks):
+        # With more figures it would explain as much of what is none of its own.
+        plain = alone.size <= earlier.chosen.size + last.chosen.size
+        if plain and possible(alone) and not _two(earlier, last, alone, blocks):
             found.put(replace(last, chosen=alone), last)
             found.drop(found.steps[k])
             return set(alone.touched)
@@ -38,7 +40,9 @@ def take_back(found, model, warmed, possible):
 
 
 def _replaceable(step):
-    return len(step.chosen.joints) == 1 and step.chosen.name not in (LATE, UNKNOWN)
+    # Of presliding most shows in reversals, which the blocks leave out.
+    return len(step.chosen.joints) == 1 and step.chosen.name not in (
+        LATE, UNKNOWN, 'presliding_hysteresis')
 
 
 def _two(earlier, last, alone, blocks):

@@ -77,7 +77,9 @@ class Together:
         next_best = self._beside(chosen)
         late = self._with_its_delay(chosen)
         steps = self._delayed(late, chosen, next_best, needed) if late else ()
-        if steps or not next_best or next_best[0].gain < needed:
+        # What has no name may leave nothing, and two with names explain as much.
+        if steps or chosen.name != UNKNOWN and (
+                not next_best or next_best[0].gain < needed):
             return steps
         pairs = [Pair(c, other) for c in self._singles
                  if c.name != chosen.name and len(c.touched) == 1
@@ -123,7 +125,8 @@ class Together:
 
     def _better(self, both, chosen, next_best, needed):
         if chosen.name == UNKNOWN:
-            return both.gain > CLOSE * (chosen.gain + max(0.0, next_best[0].gain))
+            left = max([0.0] + [c.gain for c in next_best[:1]])
+            return both.gain > CLOSE * (chosen.gain + left)
         named = next((c for c in next_best if c.name != UNKNOWN), None)
         if named is None:
             return False
