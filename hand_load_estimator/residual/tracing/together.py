@@ -3,7 +3,7 @@ Two causes of one joint that no single one shows.
 
 Viscous and Coulomb friction together look like a lubricant that thins; a spring and Coulomb
 friction look like nothing that has a name. Where what was to be chosen leaves more than chance,
-every cause of its joint is tried with the two that gain most beside it.
+or has no name, every cause of its joint is tried with the two that gain most beside it.
 """
 
 from dataclasses import dataclass, replace
