@@ -9,7 +9,8 @@ def lock_step(parts, follow):
 
     parts: tuples of arrays (N, any). follow(numbers, rows) gets the numbers of parts of like
     length and, of each of their arrays, (L, any of all) with the parts beside one another; the
-    last rows of shorter ones are repeated, and what comes of them cut off. It returns (L, ..., k of all).
+    last rows of shorter ones are repeated, and what comes of them cut off. It returns
+    (L, ..., k of all).
     """
     found = [None] * len(parts)
     for numbers in _of_like_length([len(part[0]) for part in parts]):

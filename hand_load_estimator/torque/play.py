@@ -155,22 +155,30 @@ class PlayAlong:
 
     def __call__(self, joints, *gaps):
         several = np.broadcast_arrays(*map(np.atleast_1d, (joints, *gaps)))
-        if self.states is None:
-            found = self._along(None, *several)
-        else:
-            found = np.zeros((len(self.parts[0][0]), len(several[0])))
-            for j in np.unique(several[0]):
-                own = several[0] == j
-                found[:, own] = self._along(self.states[j], *(values[own] for values in several))
+        follow = self._along if self.states is None else self._carried_on
+        found = follow(*several)
         return found[:, 0] if np.ndim(joints) == 0 else found
 
-    def _along(self, state, joints, travel, lag, share, impact):
-        """Return what gaps (m,) do along all parts, of which only a single one has a state."""
+    def _carried_on(self, joints, *gaps):
+        """Return what gaps (m,) do along the one part, from the states on: (N, m)."""
+        ((torque, inertia, dt),) = self.parts
+        found = np.zeros((len(dt), len(joints)))
+        for j in set(joints.tolist()):
+            own = joints == j
+            travel, lag, share, impact = (values[own] for values in gaps)
+            moved = crossing_inertia(inertia[:, [j]], self.usual[j], share)
+            found[:, own] = [self.states[j].update(tau, mine, travel, lag, impact, step)
+                             for tau, mine, step in zip(torque[:, [j]].repeat(own.sum(), axis=1),
+                                                        moved, dt)]
+        return found
+
+    def _along(self, joints, travel, lag, share, impact):
+        """Return what gaps (m,) do along all parts, one after the other: (N, m)."""
         usual, m = np.asarray(self.usual)[joints], len(joints)
 
         def follow(numbers, rows):
-            own = state or PlayState()
-            gaps = [np.tile(values, len(numbers)) for values in (travel, lag, impact)]
+            own, count = PlayState(), len(numbers)
+            gaps = [np.tile(values, count) for values in (travel, lag, impact)]
             return np.array([
                 own.update(torque, inertia, *gaps,
                            dt[0] if (dt == dt[0]).all() else np.repeat(dt, m))

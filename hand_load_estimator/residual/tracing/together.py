@@ -86,6 +86,8 @@ class Together:
                  for other in self._named(c)[:PARTNERS] if other.name != chosen.name]
         if late:
             pairs.append(late)
+        if not pairs:
+            return ()
         best = self._best(pairs)
         # Every pair is a trial, too.
         least = needed + np.log(len(pairs))
@@ -130,7 +132,7 @@ class Together:
         named = next((c for c in next_best if c.name != UNKNOWN), None)
         if named is None:
             return False
-        rival = self._finished(Pair(chosen, named)).both
+        rival = self._finished(Pair(*sorted((chosen, named), key=lambda c: len(c.touched)))).both
         # Fewer parameters need not gain more by what chance and trials ask for.
         return _surely(both, rival, needed) or (
             both.size < rival.size and both.gain > rival.gain)
