@@ -13,6 +13,7 @@ from hand_load_estimator.effects.stribeck_friction import FASTEST_PEAK
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.diagnosis import UNKNOWN
 from hand_load_estimator.residual.measured.find import find_residual, use_of
+from hand_load_estimator.residual.tracing import together as together_module
 from hand_load_estimator.residual.tracing.candidate import single, Step
 from hand_load_estimator.residual.tracing.finer_shape import best_of_each
 from hand_load_estimator.residual.tracing.found import Found
@@ -160,6 +161,27 @@ def test_a_delay_is_tried_beside_what_was_chosen():
     assert {s.chosen.name for s in steps} == {'torque_ripple', LATE}
     delay = next(s.chosen for s in steps if s.chosen.name == LATE)
     assert delay.parts[0][0].shape['shift'] == pytest.approx(DELAY, rel=0.05)
+
+
+def test_a_delay_is_none_beside_a_simpler_cause_that_makes_it_impossible(monkeypatch):
+    model = declared_model()
+    residual = find_residual(model, recorded(late_with(ripple, 30.0))[:-1])
+    blocks = residual.blocks()
+    found, _ = best_of_each(hypotheses(model, residual, blocks, ()), blocks)
+    singles = [single(*found[key]) for key in found if key[1] == JOINT and key[0] != UNKNOWN]
+    chosen = max(singles, key=lambda c: c.gain)
+    swapped = []
+    whole = together_module._step
+
+    def with_a_note(*given):
+        swapped.append(whole(*given))
+        return swapped[-1]
+    monkeypatch.setattr(together_module, '_step', with_a_note)
+    together = Together(model, residual, (), blocks, JOINT, set(), singles,
+                        lambda hypothesis, score: not swapped or hypothesis.name != LATE)
+    assert LATE not in {s.chosen.name for s in together.instead_of(
+        chosen, NEEDED, lambda candidate: True)}
+    assert swapped
 
 
 @pytest.mark.parametrize('possible, name', [(True, 'coulomb_friction'),

@@ -1,11 +1,14 @@
 """What a later effect explains by itself, in a finer form than it was chosen with."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from residual_helpers import (constant_friction, declared_model, on, peak, recorded, ripple,
                               thinning, viscous)
 
 from hand_load_estimator.residual.measured.find import find_residual
+from hand_load_estimator.residual.tracing import superseded
 from hand_load_estimator.residual.tracing.candidate import single, Step
 from hand_load_estimator.residual.tracing.finer_shape import best_of_each, search_around
 from hand_load_estimator.residual.tracing.found import Found
@@ -64,4 +67,28 @@ def test_nothing_impossible_takes_the_place_of_two():
     chosen = ['viscous_friction', 'shear_thinning_friction']
     model, found = found_one_after_the_other(chosen, on(JOINT, 12.0, thinning))
     assert take_back(found, model, (), lambda candidate: False) == set()
+    assert names(found) == chosen
+
+
+def test_nothing_is_taken_back_for_more_figures(monkeypatch):
+    """More of them explain as much of what is none of their own."""
+    chosen = ['viscous_friction', 'shear_thinning_friction']
+    model, found = found_one_after_the_other(chosen, on(JOINT, 12.0, thinning))
+    alone = superseded.searched_again
+
+    def with_two_more(*given):
+        candidate = alone(*given)
+        (hypothesis, score), = candidate.parts
+        more = replace(hypothesis, scale=np.ones(len(hypothesis.scale) + 2))
+        return replace(candidate, parts=((more, score),))
+    monkeypatch.setattr(superseded, 'searched_again', with_two_more)
+    assert take_back(found, model, (), lambda candidate: True) == set()
+    assert names(found) == chosen
+
+
+def test_presliding_is_not_taken_back():
+    """It shows in reversals, which the blocks leave out."""
+    chosen = ['presliding_hysteresis', 'shear_thinning_friction']
+    model, found = found_one_after_the_other(chosen, on(JOINT, 12.0, thinning))
+    assert take_back(found, model, (), lambda candidate: True) == set()
     assert names(found) == chosen

@@ -1,6 +1,7 @@
 """What the model written holds with figures of no such effect is only suspected, with a reason."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -205,15 +206,21 @@ def test_what_is_only_suspected_makes_nothing_small():
     assert small_beside_others((large, small)) == ((large, small), ())
 
 
-@pytest.mark.parametrize('share, sure', [(1.0, True), (0.12, True), (0.08, False)])
-def test_figures_within_chance_of_nothing_are_unsure(traced, share, sure):
-    """A change of so many times ten of its own standard deviations."""
+@pytest.mark.parametrize('share, beside, sure', [
+    (1.0, '', True), (0.25, '', True), (0.15, '', False),
+    (0.12, 'coulomb_friction', True), (0.08, 'coulomb_friction', False),
+    (0.15, 'time_delay', False)])
+def test_figures_within_chance_of_nothing_are_unsure(traced, share, beside, sure):
+    """A change of so many times ten of its own deviations; half of it may be another's there."""
     model, trace, _ = traced
     where = place(model)
     mean, covariance = model.mean.copy(), model.covariance.copy()
     covariance[where, where] = 1.0
     mean[where] += 10.0 * share
     key = 'viscous_friction', JOINTS[1:2]
+    (step,) = trace.steps
+    other = replace(step.chosen, name=beside)
+    trace = SimpleNamespace(steps=[replace(step, alternatives=(other,) if beside else ())])
     unsure = unsure_in(model, replace(model, mean=mean, covariance=covariance), trace)
     assert unsure == {key: () if sure else JOINTS[1:2]}
     (found,), told = without_unsure((finding(*key[:1], {}),), unsure)

@@ -128,7 +128,7 @@ def _evidence(finding, joints):
             f'{number_text(e.needed)} were needed. No effect was fitted.',
             f'Share of what is left that rings: {list_text(shares)}. '
             f'What is left: {number_text(e.rms)} Nm RMS at the strongest joint.'])
-    rival = 'No other explanation came close enough to be named.'
+    rival = 'Nothing that it was compared with explains anything beside what was found.'
     if e.next_best is not None:
         behind = f', {behind_text(e.margin)}' if e.margin is not None else ''
         rival = f'Next best explanation: {escape(name_words(e.next_best))}{behind}.'

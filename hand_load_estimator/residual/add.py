@@ -50,11 +50,11 @@ def better_model(model, steps, evidence):
                 continue
             uses = with_effect(uses, hypothesis, delays)
             changed.add((hypothesis.name, hypothesis.joint))
-            changed |= _perhaps_too(model, step, hypothesis)
+            changed |= perhaps_too(model, step, hypothesis)
     return identified_again(model, uses, evidence, changed, together)
 
 
-def _perhaps_too(model, step, hypothesis):
+def perhaps_too(model, step, hypothesis):
     """Return (name, joint) of declared effects that may have changed as well as, or instead."""
     alike = {other.name for other in step.alternatives if hypothesis.joint in other.joints}
     return {(u.name, u.joint) for u in model.uses if u.joint == hypothesis.joint

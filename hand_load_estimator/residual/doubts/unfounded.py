@@ -15,6 +15,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from ...effects import EFFECTS, LATE
+from ..add import perhaps_too
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from ..tracing.candidate import SIGMAS
 from ..tracing.hypothesis import WHOLE
@@ -23,7 +24,7 @@ from ..tracing.hypothesis import WHOLE
 EXACT = 0.05
 # Held-out blocks have told that there is something. Figures that chance makes as large as they are
 # in more than the rest of this are none of it: two standard deviations of one figure; one where
-# another effect is named beside it, which may have the rest.
+# the model holds an effect that it is not told from, which may have the rest.
 CERTAIN, SHARED = 0.95, 0.68
 # Directions of a covariance below this share of their own units are rounding.
 ROUNDING = 1e-9
@@ -133,9 +134,9 @@ def unsure_in(model, better, trace):
         chosen, joints = step.chosen, model.robot.joints
         if chosen.name in (UNKNOWN, 'base_tilt', LATE) or chosen.common:
             continue
-        certain = SHARED if step.alternatives else CERTAIN
         found[chosen.name, tuple(joints[j] for j in chosen.joints)] = tuple(
-            joints[h.joint] for h, _ in chosen.parts if not _sure(model, better, h, certain))
+            joints[h.joint] for h, _ in chosen.parts if not _sure(
+                model, better, h, SHARED if perhaps_too(better, step, h) else CERTAIN))
     return found
 
 

@@ -95,8 +95,8 @@ class Together:
                 or not self._beyond_form(best.both, chosen, least):
             return ()
         steps = self._steps(best, chosen.name, needed)
-        return steps if all(s.chosen.gain > needed and significant(s.chosen)
-                            and matters(s.chosen) for s in steps) else ()
+        return steps if all(s.chosen.gain > needed and significant(s.chosen) and matters(s.chosen)
+                            and self._allowed(*s.chosen.parts[0]) for s in steps) else ()
 
     def _with_its_delay(self, chosen):
         """Return the Pair of the joint's delay and a Candidate that it delays, or None."""
@@ -194,9 +194,9 @@ class Together:
     def _steps(self, pair, instead_of, needed):
         """Return the Steps of both, each with what else there is beside the other."""
         second = _step(pair.second, self._named(pair.first), {pair.first.name, instead_of}, needed)
-        first = self._beside_other(pair.first, second.chosen)
-        return (_step(first, self._named(second.chosen), {second.chosen.name, instead_of}, needed),
-                replace(second, chosen=self._beside_other(second.chosen, first)))
+        first = _step(self._beside_other(pair.first, second.chosen), self._named(second.chosen),
+                      {second.chosen.name, instead_of}, needed)
+        return first, replace(second, chosen=self._beside_other(second.chosen, first.chosen))
 
     def _named(self, beside):
         """Return Candidates of named effects beside one, the best first."""
