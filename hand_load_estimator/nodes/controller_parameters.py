@@ -34,7 +34,7 @@ CONTROLLER_PARAMETERS = (
     Parameter('collision_margin', 6.0, 'part of the collision threshold: times the torque '
               'model\'s noise', low=1.0, high=100.0),
     Parameter('collision_debounce', 3, 'residual torques in a row beyond the threshold that '
-              'make a collision', 'messages', low=1, high=1000),
+              'make a collision; 0.2 s of them do so sooner', 'messages', low=1, high=1000),
     Parameter('rate', 100.0, 'rate of supervision and of the thresholds', 'Hz', low=50.0,
               high=500.0),
     Parameter('joint_states_depth', 2000, 'joint states kept while the node is busy: at least '
