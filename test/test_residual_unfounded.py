@@ -106,9 +106,9 @@ def test_what_is_nothing_beside_everything_else_is_only_suspected(traced, share,
         f'{JOINTS[1]}: viscous_friction'] * faint
 
 
-def place(model):
+def place(model, name='viscous_friction'):
     return next(where for use, where in model.slices()
-                if (use.name, use.joint) == ('viscous_friction', 1))
+                if (use.name, use.joint) == (name, 1))
 
 
 @pytest.fixture(scope='module')
@@ -206,21 +206,27 @@ def test_what_is_only_suspected_makes_nothing_small():
     assert small_beside_others((large, small)) == ((large, small), ())
 
 
-@pytest.mark.parametrize('share, beside, sure', [
-    (1.0, '', True), (0.25, '', True), (0.15, '', False),
-    (0.12, 'coulomb_friction', True), (0.08, 'coulomb_friction', False),
-    (0.15, 'time_delay', False)])
-def test_figures_within_chance_of_nothing_are_unsure(traced, share, beside, sure):
-    """A change of so many times ten of its own deviations; half of it may be another's there."""
+@pytest.mark.parametrize('share, beside, alike, sure', [
+    (1.0, '', 0.0, True), (0.25, '', 0.0, True), (0.15, '', 0.0, False),
+    (0.08, 'coulomb_friction', 0.99, True), (0.12, 'coulomb_friction', 0.0, False),
+    (0.25, 'coulomb_friction', 0.0, True), (0.08, 'time_delay', 0.99, False)])
+def test_figures_within_chance_of_nothing_are_unsure(traced, share, beside, alike, sure):
+    """
+    Both figures changed by so many times ten of their own deviations.
+
+    alike: how far the data tell only the sum of both; what is beside counts if it looks like it.
+    """
     model, trace, _ = traced
-    where = place(model)
+    own, other = (place(model, name) for name in ('viscous_friction', 'coulomb_friction'))
     mean, covariance = model.mean.copy(), model.covariance.copy()
-    covariance[where, where] = 1.0
-    mean[where] += 10.0 * share
+    covariance[own, own] = covariance[other, other] = 1.0
+    covariance[own, other] = covariance[other, own] = -alike
+    mean[own] += 10.0 * share
+    mean[other] += 10.0 * share if alike else 0.0
     key = 'viscous_friction', JOINTS[1:2]
     (step,) = trace.steps
-    other = replace(step.chosen, name=beside)
-    trace = SimpleNamespace(steps=[replace(step, alternatives=(other,) if beside else ())])
+    rival = replace(step.chosen, name=beside)
+    trace = SimpleNamespace(steps=[replace(step, alternatives=(rival,) if beside else ())])
     unsure = unsure_in(model, replace(model, mean=mean, covariance=covariance), trace)
     assert unsure == {key: () if sure else JOINTS[1:2]}
     (found,), told = without_unsure((finding(*key[:1], {}),), unsure)

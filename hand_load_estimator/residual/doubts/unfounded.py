@@ -23,9 +23,8 @@ from ..tracing.hypothesis import WHOLE
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
 EXACT = 0.05
 # Held-out blocks have told that there is something. Figures that chance makes as large as they are
-# in more than the rest of this are none of it: two standard deviations of one figure; one where
-# the model holds an effect that it is not told from, which may have the rest.
-CERTAIN, SHARED = 0.95, 0.68
+# in more than the rest of this are none of it: two standard deviations of one figure.
+CERTAIN = 0.95
 # Directions of a covariance below this share of their own units are rounding.
 ROUNDING = 1e-9
 
@@ -126,8 +125,9 @@ def unsure_in(model, better, trace):
     Return {(name, joints): joints} of steps, and where the better model may hold nothing of them.
 
     That is where all figures of an effect, or what they changed by, are within chance (Wald's
-    test with the model's own covariance). What joints have in common they show together, and a
-    delay is held to be a whole.
+    test with the model's own covariance), by themselves and together with those of declared
+    effects that it is not told from: the data tell the sum of these, and hardly any share. What
+    joints have in common they show together, and a delay is held to be a whole.
     """
     found = {}
     for step in trace.steps:
@@ -135,22 +135,35 @@ def unsure_in(model, better, trace):
         if chosen.name in (UNKNOWN, 'base_tilt', LATE) or chosen.common:
             continue
         found[chosen.name, tuple(joints[j] for j in chosen.joints)] = tuple(
-            joints[h.joint] for h, _ in chosen.parts if not _sure(
-                model, better, h, SHARED if perhaps_too(better, step, h) else CERTAIN))
+            joints[h.joint] for h, _ in chosen.parts
+            if not any(_sure(model, better, own) for own in _alone_and_not(model, step, h)))
     return found
 
 
-def _sure(model, better, hypothesis, certain):
-    """Tell whether the better model surely holds something, or something new, of a Hypothesis."""
-    (shape, where), old = _place(better, hypothesis), _place(model, hypothesis)
-    same = old is not None and old[0] == shape
-    change = better.mean[where] - (model.mean[old[1]] if same else 0.0)
+def _alone_and_not(model, step, hypothesis):
+    """Return lists of Hypotheses: one alone, and with what may have changed as well or instead."""
+    others = sorted(perhaps_too(model, step, hypothesis))
+    together = [replace(hypothesis, name=name, joint=joint) for name, joint in others]
+    return [[hypothesis], *([[hypothesis, *together]] if together else [])]
+
+
+def _sure(model, better, hypotheses):
+    """Tell whether the better model surely holds something, or something new, of Hypotheses."""
+    where, change = map(np.concatenate, zip(*(_changed(model, better, h) for h in hypotheses)))
     std = np.sqrt(np.diag(better.covariance)[where])
     unit = np.where(std > 0.0, std, 1.0)
-    values, axes = np.linalg.eigh(better.covariance[where, where] / np.outer(unit, unit))
+    values, axes = np.linalg.eigh(better.covariance[np.ix_(where, where)] / np.outer(unit, unit))
     told = values > ROUNDING
     square = np.sum((change / unit @ axes[:, told]) ** 2 / values[told])
-    return bool(square > chi2.ppf(certain, told.sum()))
+    return bool(square > chi2.ppf(CERTAIN, told.sum()))
+
+
+def _changed(model, better, hypothesis):
+    """Return the places (k,) of a Hypothesis in the better x, and what is new there (k,)."""
+    (shape, where), old = _place(better, hypothesis), _place(model, hypothesis)
+    same = old is not None and old[0] == shape
+    return (np.arange(where.start, where.stop),
+            better.mean[where] - (model.mean[old[1]] if same else 0.0))
 
 
 def _place(model, hypothesis):
