@@ -1,8 +1,7 @@
 """Method `gp_bayes`: learned no-load difference, then Bayesian regression (E2.2, eq. 13-14)."""
 
-import numpy as np
-
 from .bayes import Bayes
+from .method import check_origin
 
 
 class GpBayes(Bayes):
@@ -29,6 +28,5 @@ class GpBayes(Bayes):
 
     def restore(self, state):
         """Go on from a state() of the same learned function."""
-        if not np.array_equal(state.get('function'), self._function.fingerprint):
-            raise ValueError('it comes from another learned torque difference')
-        super().restore({name: value for name, value in state.items() if name != 'function'})
+        check_origin(state, 'function', self._function.fingerprint, 'learned torque difference')
+        super().restore(state)

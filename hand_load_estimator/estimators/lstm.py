@@ -21,7 +21,7 @@ from .contact_gate import ContactGate
 from .information import message_covariance
 from .innovation_scale import InnovationScale
 from .load_prior import load_prior
-from .method import Belief, checked
+from .method import Belief, check_origin, fitting, joined_state, part_of
 from .mismatch import MismatchWatch
 from .regression import LoadRegression, MOVING
 from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
@@ -31,12 +31,6 @@ from .weighting import innovation_of, joined_columns
 # Doubt about the friction of an arm that has stood longer [s] than the rests of training: what the
 # network has not seen it is not asked about, and time stands still for it.
 RESTED = doubt_after(1.0)
-
-
-def _part(state, name):
-    """Return the entries of a state that begin with a name, without it."""
-    return {key.partition('.')[2]: value for key, value in state.items()
-            if key.startswith(f'{name}.')}
 
 
 def _gates(weights):
@@ -253,8 +247,7 @@ class Lstm(Watching):
     def state(self):
         """Return the states of both regressions and of the network."""
         self.settle()
-        parts = ('plain', self._plain.state()), ('learned', self._learned.state())
-        out = {f'{part}.{name}': value for part, state in parts for name, value in state.items()}
+        out = joined_state(plain=self._plain.state(), learned=self._learned.state())
         asked = np.array(float(self._asked))
         return out | {'innovations': self._scale.sums.copy(), 'asked': asked,
                       'memory': np.stack(self._cell.memory), 'shift': self._shift,
@@ -262,11 +255,10 @@ class Lstm(Watching):
 
     def restore(self, state):
         """Go on from a state() of the same artefact."""
-        own = checked(state, {name: np.shape(value) for name, value in self.state().items()})
-        if not np.array_equal(own['weights'], self._cell.fingerprint):
-            raise ValueError('it comes from another learned artefact')
-        self._plain.restore(_part(own, 'plain'))
-        self._learned.restore(_part(own, 'learned'))
+        check_origin(state, 'weights', self._cell.fingerprint, 'learned artefact')
+        own = fitting(state, self.state())
+        self._plain.restore(part_of(own, 'plain'))
+        self._learned.restore(part_of(own, 'learned'))
         self._restart()
         self._cell.memory, self._shift, self._spread = own['memory'], own['shift'], own['spread']
         self._scale.sums, self._asked = own['innovations'], bool(own['asked'])

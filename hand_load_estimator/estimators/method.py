@@ -24,6 +24,29 @@ def checked(state, shapes):
     return {name: np.array(state[name], dtype=float) for name in shapes}
 
 
+def fitting(state, own):
+    """Return {name: array} of a state with names and shapes of another; as of checked."""
+    return checked(state, {name: np.shape(value) for name, value in own.items()})
+
+
+def joined_state(**parts):
+    """Return {part.name: array} of the states of parts."""
+    return {f'{part}.{name}': value for part, state in parts.items()
+            for name, value in state.items()}
+
+
+def part_of(state, part):
+    """Return the state of a part of a joined_state."""
+    return {key.partition('.')[2]: value for key, value in state.items()
+            if key.startswith(f'{part}.')}
+
+
+def check_origin(state, name, fingerprint, what):
+    """Refuse with a ValueError a state whose entry of that name is not the fingerprint."""
+    if not np.array_equal(state.get(name), fingerprint):
+        raise ValueError(f'it comes from another {what}')
+
+
 class Method(Protocol):
     """One way of estimating the load from MotionSamples and Predictions."""
 

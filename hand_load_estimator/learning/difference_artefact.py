@@ -6,7 +6,6 @@ and that model; a model identified again wants a function learned again.
 """
 
 from dataclasses import dataclass
-from hashlib import sha256
 import json
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from ..estimators.network_draws import NetworkDraws
 from ..files.whole_file import whole_file
 from ..torque.model_file import model_digest
 from .difference_inputs import input_width, INPUTS
+from .fingerprint import fingerprint_of
 
 SCHEMA = 'hand_load/difference/1'
 WEIGHTS, CARD = 'difference.safetensors', 'difference.json'
@@ -92,15 +92,7 @@ def read_difference(folder, model):
                                      f'finite, of shape {tuple(shape)} with {sizes}', AGAIN)
     return DifferenceArtefact(predictor(tensors), tuple(card['inputs']),
                               *(tensors[name] for name in _SHARED), card,
-                              _fingerprint(card, tensors))
-
-
-def _fingerprint(card, tensors):
-    digest = sha256(json.dumps([card['function'], card['inputs']]).encode())
-    for name in sorted(tensors):
-        digest.update(tensors[name].tobytes())
-    # In numbers that a checkpoint keeps exactly.
-    return np.frombuffer(digest.digest(), np.uint16).astype(float)
+                              fingerprint_of([card['function'], card['inputs']], tensors))
 
 
 def _check_card(path, card, model):
