@@ -15,8 +15,6 @@ from ros_helpers import ROOT
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method
-from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
-                                                       restore_checkpoint, write_checkpoint)
 from hand_load_estimator.estimators.gp_histogram import GpHistogram
 from hand_load_estimator.estimators.gp_search import GpEvolution, GpSwarm
 from hand_load_estimator.estimators.registry import ON_DIFFERENCE
@@ -181,19 +179,6 @@ def test_without_a_learned_difference_the_command_to_run_is_told(name):
     follower = ModelFollower(exact_model('four'))
     with pytest.raises(ConfigurationError, match='hand_load learn-gp'):
         build_method(exact_model('four'), follower.uncertainties, name)
-
-
-def test_a_checkpoint_belongs_to_the_learned_function(folder, tmp_path):
-    made = pipeline('gp_bayes', folder)
-    feed(made, stream(LOAD, 3.0, seed=7))
-    write_checkpoint(tmp_path / 'c', made.state(), belongs_to(made))
-    again = pipeline('gp_bayes', folder)
-    restore_checkpoint(tmp_path / 'c', again, 60.0)
-    np.testing.assert_allclose(again.method.belief().mean, made.method.belief().mean)
-    learn_difference(tmp_path / 'other', model(), evidence()[:1], names=('velocity',))
-    other = pipeline('gp_bayes', tmp_path / 'other')
-    with pytest.raises(CheckpointError, match='another learned torque difference'):
-        restore_checkpoint(tmp_path / 'c', other, 60.0)
 
 
 def test_e2_7_the_swarm_is_loaded_before_the_arm_moves(folder):

@@ -14,7 +14,6 @@ from test_nodes_estimator import Estimator
 from trajectory_msgs.msg import JointTrajectory
 
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.estimators.checkpoint import belongs_to, write_checkpoint
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.nodes.checkpoint_keeper import CheckpointKeeper
@@ -124,17 +123,6 @@ def test_killed_it_goes_on_where_it_was(start, listener, tmp_path):
     listener.until(lambda: 'restored' in again.said('checkpoint')[0], 5.0, 'diagnostics')
     assert again.stopped(signal.SIGTERM)[0] == 0
     assert [p.name for p in tmp_path.iterdir()] == ['load.checkpoint']
-
-
-@pytest.mark.parametrize('method', ['gru', 'gp_histogram'])
-def test_a_method_that_cannot_hand_over_its_state_keeps_no_file(method, tmp_path):
-    found, keeper = build_pipeline('ur10e', method), CheckpointKeeper(str(tmp_path / 'c'), 60.0)
-    keeper.restore(found)
-    keeper.keep(found, even_if_old=True)
-    keeper.stop(found)
-    level, message, values = keeper.report()
-    assert level == WARN and message == f'none: method {method} cannot hand over its state'
-    assert values['file'] == 'none' and not list(tmp_path.iterdir())
 
 
 def test_a_checkpoint_it_cannot_use_does_not_stop_it(pipeline, start, listener, tmp_path):

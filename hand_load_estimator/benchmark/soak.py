@@ -87,9 +87,7 @@ _NOTHING = {'rows': [], 'loops': 0, 'seconds': 0.0, 'samples': 0, 'rejected': 0,
 
 
 def _state(pipeline):
-    """Return {name: (shape, numbers)} of the Pipeline, None where its method hands over none."""
-    if not hasattr(pipeline.method, 'state'):
-        return None
+    """Return {name: (shape, numbers)} of the Pipeline."""
     return {name: (np.shape(value), np.ravel(value).tolist())
             for name, value in pipeline.state().items()}
 
@@ -148,7 +146,7 @@ def run_soak(robot_name, method, learned, hours, folder, write):
     before = json.loads(path.read_text('utf-8')) if path.exists() else None
     if before is None or before['hours'] < hours - 1e-9:
         pipeline = build_pipeline(robot_name, method, learned)
-        if before and before['state']:
+        if before:
             pipeline.restore({name: np.reshape(numbers, shape)
                               for name, (shape, numbers) in before['state'].items()},
                              'as it was when the soak was broken off')

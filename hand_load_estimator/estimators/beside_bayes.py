@@ -7,7 +7,7 @@ from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior
 from .mass_place import MassPlacePosterior
-from .method import Belief
+from .method import Belief, check_origin, fitting, joined_state, part_of
 from .regression import LoadRegression
 from .watching import Watching
 from .weighting import joined_columns
@@ -19,7 +19,8 @@ class BesideBayes(Watching):
 
     Subclasses: _restart() forgets candidates; _take(sample, prediction, columns) looks at one
     sample, whose prediction holds the offset torque, and counts it or not; _answer() returns
-    shape (10,) and its covariance (10, 10).
+    shape (10,) and its covariance (10, 10); _found() returns {name: array}, all that the answer
+    is made from beside the sums, and _resume(found) takes it over behind them.
     """
 
     def __init__(self, model, uncertainties, function):
@@ -72,6 +73,21 @@ class BesideBayes(Watching):
         self._counted.tare()
         self._plain.tare()
         self._restart()
+
+    def state(self):
+        """Return the states of both regressions and of the answer, and whose function it is."""
+        return {**joined_state(plain=self._plain.state(), counted=self._counted.state(),
+                               found=self._found()),
+                'function': self._function.fingerprint}
+
+    def restore(self, state):
+        """Go on from a state() of the same learned function."""
+        check_origin(state, 'function', self._function.fingerprint, 'learned torque difference')
+        own = fitting(state, self.state())
+        # The plain regression brings the trust that the other one counts with.
+        self._plain.restore(part_of(own, 'plain'))
+        self._counted.restore(part_of(own, 'counted'))
+        self._resume(part_of(own, 'found'))
 
     def _begin_anew(self):
         self._counted.begin_anew(self.last_change)

@@ -12,12 +12,13 @@ import torch
 
 from ..learning.direct_calibration import calibrated
 from ..learning.direct_network import Judge, inputs_of
+from ..learning.network_memory import NetworkMemory
 from ..load import message_from_shape, products_jacobian_of_message
 from ..torque.columns import warmth_of
 from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior
-from .method import Belief
+from .method import Belief, check_origin, fitting, joined_state, part_of
 from .watching import Watching
 
 # A doubt about products is one about place and inertia for loads of this share of the rated mass.
@@ -33,7 +34,9 @@ class Direct(Watching):
         self._robot = model.robot
         self._joints = [model.robot.joints.index(name) for name in design.joints]
         self._picked, self._artefact = design.picked, artefact
+        self._fingerprint = artefact.fingerprint
         self._judge = Judge(artefact.network)
+        self._memory = NetworkMemory(self._judge, 5 * len(self._joints) + 1)
         prior = load_prior(self._robot)
         self._prior = Belief(message_from_shape(prior.mean),
                              message_covariance(prior.mean, np.diag(prior.std ** 2)))
@@ -82,6 +85,22 @@ class Direct(Watching):
         self._zero_doubt = jacobian @ held.covariance @ jacobian.T
         self._beside.tare()
         self._restart()
+
+    def state(self):
+        """Return the states of `bayes` beside and of the network, and its last answer."""
+        return {**joined_state(beside=self._beside.state(),
+                               memory=self._memory.arrays_of(self._state)),
+                'mean': self._belief.mean, 'covariance': self._belief.covariance,
+                'zero_doubt': self._zero_doubt, 'weights': self._fingerprint}
+
+    def restore(self, state):
+        """Go on from a state() of the same artefact."""
+        check_origin(state, 'weights', self._fingerprint, 'learned artefact')
+        own = fitting(state, self.state())
+        self._beside.restore(part_of(own, 'beside'))
+        self._state = self._memory.state_of(part_of(own, 'memory'))
+        self._belief = Belief(own['mean'], own['covariance'])
+        self._zero_doubt = own['zero_doubt']
 
     def _restart(self):
         self._state, self._belief = None, self._prior

@@ -18,6 +18,7 @@ import numpy as np
 
 from .beside_bayes import BesideBayes
 from .histogram import Histogram, entropy_of, normalised
+from .method import joined_state, part_of
 from .regression import MOVING
 
 # A step of 1.4 standard deviations at most: on a coarser lattice the entropy also changes with
@@ -127,14 +128,19 @@ class GpHistogram(BesideBayes):
             self._renew_inertia(posterior.inertia_given(self._places.mean, self._scale.value))
 
     def _weigh(self, posterior):
-        candidates = self._places.candidates
-        self._products = posterior.products(candidates)
-        density = posterior.log_density(candidates, self._products, self._scale.value)
-        away = (candidates - self._prior.mean[:4]) / self._prior.std[:4]
-        self._from_prior = np.where(candidates[:, 0] < 0.0, -np.inf, -0.5 * (away ** 2).sum(-1))
+        self._see_candidates(posterior)
+        density = posterior.log_density(self._places.candidates, self._products,
+                                        self._scale.value)
         with np.errstate(invalid='ignore'):
             self._data = np.nan_to_num(density - self._from_prior, nan=0.0)
         self._places.weigh(density)
+
+    def _see_candidates(self, posterior):
+        """Note what is the candidates' own, whatever the data say."""
+        candidates = self._places.candidates
+        self._products = posterior.products(candidates)
+        away = (candidates - self._prior.mean[:4]) / self._prior.std[:4]
+        self._from_prior = np.where(candidates[:, 0] < 0.0, -np.inf, -0.5 * (away ** 2).sum(-1))
 
     def _renew_inertia(self, given):
         """Weigh moments with the products of inertia at their mean, then the other way round."""
@@ -153,6 +159,24 @@ class GpHistogram(BesideBayes):
         for where, histogram in self._inertias:
             out[where] = histogram.mean
         return out
+
+    def _found(self):
+        (_, moments), (_, products) = self._inertias
+        gate = self._scale.value, self._scale.age, self._shut, self.refused, self._count
+        return {**joined_state(places=self._places.state(), moments=moments.state(),
+                               products=products.state()),
+                'data': self._data, 'slope': self._slope, 'gate': np.array(gate, dtype=float)}
+
+    def _resume(self, found):
+        (_, moments), (_, products) = self._inertias
+        self._places.restore(part_of(found, 'places'))
+        moments.restore(part_of(found, 'moments'))
+        products.restore(part_of(found, 'products'))
+        self._data, self._slope = found['data'], found['slope']
+        value, age, self._shut, refused, count = found['gate'].tolist()
+        self._scale = ResidualScale(value, age)
+        self.refused, self._count = int(refused), int(count)
+        self._see_candidates(self._posterior(self._places.mean[0]))
 
     def _answer(self):
         place, covariance = self._places.belief()

@@ -31,9 +31,11 @@ class GpSearch(BesideBayes):
     def _restart(self):
         prior = self._prior
         self._place, self._covariance = prior.mean[:4], np.diag(prior.std[:4] ** 2)
-        self._inertia = prior.mean[4:], np.diag(prior.std[4:] ** 2), np.zeros((6, 4))
         self._moved, self._next = 0.0, EARLY
+        # Renews the sums, too, that the doubt about torque constants is counted from.
         self._counted.load_information()
+        self._answered = self._joined(self._place, self._covariance, prior.mean[4:],
+                                      np.diag(prior.std[4:] ** 2), np.zeros((6, 4)))
 
     def _take(self, sample, prediction, columns):
         self._counted.add(sample, columns, prediction.difference,
@@ -58,10 +60,21 @@ class GpSearch(BesideBayes):
         half, self._place = 0.5 * (found - self._place), found
         self._covariance = posterior.curvature(found) + np.outer(half, half)
         given = posterior.inertia_given(found)
-        self._inertia = given.mean, given.covariance, given.slope
+        self._answered = self._joined(found, self._covariance, given.mean, given.covariance,
+                                      given.slope)
+
+    def _found(self):
+        shape, covariance = self._answered
+        return {'shape': shape, 'covariance': covariance, 'place_covariance': self._covariance,
+                'moved': np.array(self._moved), 'next': np.array(self._next)}
+
+    def _resume(self, found):
+        self._answered = found['shape'], found['covariance']
+        self._place, self._covariance = found['shape'][:4], found['place_covariance']
+        self._moved, self._next = float(found['moved']), float(found['next'])
 
     def _answer(self):
-        return self._joined(self._place, self._covariance, *self._inertia)
+        return self._answered
 
 
 class GpEvolution(GpSearch):

@@ -42,12 +42,21 @@ class Histogram:
         self.probabilities = np.full(len(self._unit), 1.0 / len(self._unit))
 
     def _lay(self, centre, axes):
-        self._axes = axes
+        self._centre, self._axes = centre, axes
         self.candidates = centre + self._unit @ axes.T
 
     def weigh(self, log_density):
         """Set the probabilities from log densities (j^K,) up to a constant."""
         self.probabilities = normalised(log_density)
+
+    def state(self):
+        """Return {name: array}: what restore() of a histogram of as many points goes on from."""
+        return {'centre': self._centre, 'axes': self._axes, 'probabilities': self.probabilities}
+
+    def restore(self, state):
+        """Go on from a state()."""
+        self._lay(state['centre'], state['axes'])
+        self.probabilities = state['probabilities']
 
     @property
     def entropy(self):

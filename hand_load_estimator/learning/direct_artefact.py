@@ -11,6 +11,7 @@ from .artefact import read_files, write_files
 from .direct_calibration import RANGES
 from .direct_design import Design
 from .direct_network import build_network
+from .fingerprint import fingerprint_of
 
 WEIGHTS = 'network.safetensors'
 
@@ -23,6 +24,13 @@ class DirectArtefact:
     knots: np.ndarray
     factors: np.ndarray
     card: dict
+
+    @property
+    def fingerprint(self):
+        """Numbers that differ where another network was learned or it was calibrated anew."""
+        weights = {name: value.numpy() for name, value in self.network.state_dict().items()}
+        return fingerprint_of(vars(self.network.design),
+                              {**weights, 'knots': self.knots, 'factors': self.factors})
 
 
 def write_direct_artefact(folder, network, knots, factors, card):

@@ -33,13 +33,7 @@ class CheckpointKeeper:
 
     def restore(self, pipeline):
         """Go on from the file where there is one that fits; else the Pipeline starts afresh."""
-        if self._path is None:
-            return
-        if not hasattr(pipeline.method, 'state'):
-            self._path, self.refused = None, True
-            self.told = f'none: method {pipeline.method.name} cannot hand over its state'
-            return
-        if not self._path.exists():
+        if self._path is None or not self._path.exists():
             return
         try:
             self.told = f'restored {restore_checkpoint(self._path, pipeline, self._max_age)}'
