@@ -64,6 +64,32 @@ def test_a_load_beside_which_the_model_explains_much_is_left_to_the_diagnosis():
     refuse_another_robot(declared_model(), carrying(block(1.0)))
 
 
+def dwelling(evidence, friction):
+    """Return Evidence that stands for most of the time where it began, held by its friction."""
+    motion, robot = evidence.motion, declared_model().robot
+    stands = np.arange(len(motion.dt)) % 250 >= 50
+    rows = np.where(stands, 0, np.arange(len(motion.dt)))
+    q, v, a = (getattr(motion, name)[rows] for name in ('q', 'v', 'a'))
+    v[stands], a[stands] = 0.0, 0.0
+    gravity = robot.rigid_torque(motion.q[0], np.zeros(robot.n), np.zeros(robot.n))
+    held = friction * np.random.default_rng(2).uniform(-1.0, 1.0, (6, robot.n))
+    torque = np.where(stands[:, None], gravity + held[np.arange(len(q)) // 250], evidence.torque)
+    return replace(evidence, motion=replace(motion, q=q, v=v, a=a), torque=torque)
+
+
+def test_an_arm_that_mostly_stands_is_no_other_one():
+    """Pauses between motions: what friction holds then, here much, is no fault of the model's."""
+    model = declared_model()
+    friction = [model.mean[where][0] for use, where in model.slices()
+                if use.name == 'coulomb_friction']
+    runs = [dwelling(run, 4.0 * np.array(friction)) for run in recorded()]
+    standing = np.concatenate([np.abs(run.motion.v) < 0.01 for run in runs])
+    assert standing.mean() > 0.7
+    refuse_another_robot(model, runs)
+    with pytest.raises(RecordingError, match='explains less than half'):
+        refuse_another_robot(model, [replace(run, torque=-run.torque) for run in runs])
+
+
 @pytest.mark.skipif(not (DATA / 'nist_ur5').is_dir() or not (DATA / 'ur10e').is_dir(),
                     reason=f'no recordings at {DATA}; set HAND_LOAD_DATA')
 def test_the_model_of_a_ur5_is_refused_for_a_ur10e(tmp_path, capsys):
