@@ -63,6 +63,13 @@ def test_both_are_right_for_sets_of_the_design_only(hidden, named, advice, outco
     assert only_widely([case]) == ({(hidden, named): 1} if wrong else {})
 
 
+def test_what_no_motion_tells_needs_no_standard_error():
+    first = finding('rotor_inertia', alternatives=[other('link_inertia', behind=0.0, std=0.0)],
+                    advice=f'{NO_MOTION} it')
+    wide, beside = judge(result([('link_inertia', (JOINT,))], [first]), widely=True)
+    assert wide[0]['outcome'] == 'both named' and beside == []
+
+
 @pytest.mark.parametrize('alternative', [
     other('friction_asymmetry', behind=6.0), other('friction_asymmetry', (OTHER,))])
 def test_widely_too_what_gains_much_more_or_elsewhere_is_told(alternative):

@@ -6,8 +6,9 @@ import numpy as np
 from plant_helpers import ur10e
 import pytest
 
-from hand_load_estimator.residual.findings import separating_motion
-from hand_load_estimator.residual.tracing.candidate import Candidate
+from hand_load_estimator.residual.diagnosis import Alternative
+from hand_load_estimator.residual.findings import alternatives_of, separating_motion
+from hand_load_estimator.residual.tracing.candidate import Candidate, Step
 from hand_load_estimator.residual.tracing.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION,
                                                              PAIRS, partners, same_torque)
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
@@ -51,4 +52,10 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     residual = SimpleNamespace(columns=links)
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
-    assert separating_motion(residual, chosen, ['link_inertia']).startswith(NO_MOTION) == same
+    assert separating_motion(residual, chosen, ()).startswith(NO_MOTION) == same
+    # Nobody chose the first link: it gains what the rotor does, and is named all the same.
+    others = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
+    assert others == ((Alternative('link_inertia', (robot.joints[0],), 0.0, 0.0),) if same else ())
+    # Another link is something else, and told from the rotor as ever.
+    told = separating_motion(residual, chosen, ['link_inertia'])
+    assert told.endswith(advice('rotor_inertia', ['link_inertia']))

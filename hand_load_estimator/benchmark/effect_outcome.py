@@ -87,7 +87,8 @@ def _both_named(finding, name, widely):
 def _untold(other, finding):
     """Tell whether the recordings do not tell an alternative from a finding at its joints."""
     # What happened once has no standard error: nothing says that it could not be told.
-    close = other['std'] is not None and other['behind'] < UNTOLD * other['std']
+    close = other['std'] is not None and (
+        other['behind'] <= 0.0 or other['behind'] < UNTOLD * other['std'])
     return close and set(other['joints']) == set(finding['joints'])
 
 

@@ -58,7 +58,7 @@ def _finding(models, trace, step, blocks, odd, searched):
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),
         _explained(without, partial - torque, residual.weights),
-        _evidence(robot.joints, trace, step, torque), _alternatives(robot, step),
+        _evidence(robot.joints, trace, step, torque), alternatives_of(robot, residual, step),
         separating_motion(residual, chosen, [other.name for other in step.alternatives]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
@@ -71,10 +71,14 @@ def _joints(robot, candidate):
     return tuple(robot.joints[j] for j in (range(robot.n) if whole else candidate.joints))
 
 
-def _alternatives(robot, step):
-    found = [(other, ahead(step.chosen, other)) for other in step.alternatives]
-    return tuple(Alternative(other.name, _joints(robot, other), less.gain, less.std)
-                 for other, less in found)
+def alternatives_of(robot, residual, step):
+    """Return the Alternatives of a Step: what the recordings, or no motion, can tell from it."""
+    found = [Alternative(other.name, _joints(robot, other), less.gain, less.std)
+             for other in step.alternatives for less in [ahead(step.chosen, other)]]
+    if _is_first_link(residual, step.chosen):
+        # The same column: the choice did not ask for it, and no block could tell.
+        found.insert(0, Alternative(LINK_INERTIA.name, (robot.joints[0],), 0.0, 0.0))
+    return tuple(found)
 
 
 def refuted(findings, joints, before, after):
@@ -135,12 +139,20 @@ def separating_motion(residual, chosen, alternatives):
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
-    if chosen.joints == [0] and chosen.name == 'rotor_inertia' and 'link_inertia' in alternatives:
-        (rotor, _), = chosen.parts
-        if same_torque((rotor.prompt or rotor.columns)[0], residual.columns[:, 0, :10]):
-            return (f'{NO_MOTION} them: the first link turns about the axis of its own joint '
-                    'only, as the rotor does; the model holds the sum of both')
-    return advice(chosen.name, alternatives)
+    told = advice(chosen.name, alternatives)
+    if not _is_first_link(residual, chosen):
+        return told
+    both = (f'{NO_MOTION} it from the inertia of the first link, which turns about the axis of '
+            'its own joint only, as the rotor does; the model holds the sum of both')
+    return f'{both}; {told}' if told else both
+
+
+def _is_first_link(residual, chosen):
+    """Tell whether a Candidate is a rotor whose first link asks for the same torque."""
+    if chosen.name != 'rotor_inertia' or chosen.joints != [0]:
+        return False
+    (rotor, _), = chosen.parts
+    return same_torque((rotor.prompt or rotor.columns)[0], residual.columns[:, 0, :10])
 
 
 def _explained(without, left, weights):
