@@ -76,6 +76,17 @@ def test_headline_does_not_call_structure_a_fit():
     assert 'Nothing of weight' not in diagnosis_page.page(lost)
 
 
+@pytest.mark.parametrize('times, begins', [
+    (1.1, 'No missing effect found: the torque model fits ur10e as closely as it says'),
+    (2.0, 'No effect named, but the torque model does not fit ur10e: look at joint elbow_joint')])
+def test_structure_within_what_the_model_states_is_no_misfit(times, begins):
+    left = np.array([0.0, 0.3, 0.2, 0.0, 0.0, 0.0])
+    stated = nothing().after / [1.0, 1.1, times, 1.0, 1.0, 1.0]
+    known = dataclasses.replace(nothing(), unexplained=left, stated=stated)
+    assert diagnosis_page.headline(known) == begins
+    assert diagnosis_json.diagnosis_content(known)['stated'] == pytest.approx(stated)
+
+
 def test_page_needs_nothing_from_outside(read):
     assert read.open == []
     for key, value in read.attributes:

@@ -126,6 +126,7 @@ def diagnosis_content(diagnosis):
         'before': {'torque_rmse': _numbers(diagnosis.before)},
         'after': {'torque_rmse': _numbers(diagnosis.after)},
         'noise_floor': _numbers(diagnosis.noise_floor),
+        'stated': None if diagnosis.stated is None else _numbers(diagnosis.stated),
         'noise_most': None if diagnosis.noise_most is None else _numbers(diagnosis.noise_most),
         'effects': [_effect(finding) for finding in diagnosis.findings],
         'unexplained': _numbers(diagnosis.unexplained),

@@ -20,6 +20,9 @@ from .words import (as_sentence, items_html, label_html, name_words, number_text
 MARK = 'Diagnosis of the torque model of'
 # Structure below this share of the residual variance is told as nothing of weight.
 _WEIGHTY = 0.05
+# Nor is structure in an error of less than so many times what the model states of itself: in a
+# short clean recording there is some, too.
+_BEYOND = 1.5
 # Without a finding, a model that leaves less than this share of a joint's error says so first.
 _ADAPTED = 0.8
 # A test error that grew by more than this is no chance.
@@ -35,6 +38,9 @@ def _strongest(finding, joints):
 def _nothing(diagnosis):
     """Return the headline of a diagnosis without findings."""
     left = np.nan_to_num(diagnosis.unexplained)
+    structured = left.max() >= _WEIGHTY
+    if diagnosis.stated is not None:
+        left = np.where(diagnosis.after > _BEYOND * diagnosis.stated, left, 0.0)
     if left.max() >= _WEIGHTY:
         return (f'No effect named, but the torque model does not fit {diagnosis.robot}: '
                 f'look at joint {diagnosis.joints[int(left.argmax())]}')
@@ -49,6 +55,9 @@ def _nothing(diagnosis):
                 f'{diagnosis.robot}')
     if diagnosis.cannot_tell:
         return f'No missing effect found in {diagnosis.robot}, as far as these recordings tell'
+    if structured:
+        return (f'No missing effect found: the torque model fits {diagnosis.robot} as closely as '
+                'it says')
     return f'No missing effect found: the torque model fits {diagnosis.robot}'
 
 

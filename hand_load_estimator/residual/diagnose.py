@@ -79,7 +79,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         seconds=time.monotonic() - began,
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
-        another_state=bool(state)), correction), ex.better
+        another_state=bool(state), stated=model.residuals.rmse), correction), ex.better
 
 
 def _of_recordings(robot, evidence, test, ex):

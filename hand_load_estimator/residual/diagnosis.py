@@ -193,7 +193,8 @@ class Diagnosis:
     that the model itself was identified from; refitted: it was identified from all of them, and
     before and after are of fits without the part kept for the test; left_out [s]: of that part,
     in which something acted from outside; another_state: most joints differ, each by its own
-    cause, so that the arm is rather another one than ailing (another_state.py).
+    cause, so that the arm is rather another one than ailing (another_state.py); stated (n,) [Nm]:
+    the error that the model diagnosed states of itself, or None.
     """
 
     robot: str
@@ -221,6 +222,7 @@ class Diagnosis:
     left_out: float = 0.0
     noise_most: np.ndarray | None = None
     another_state: bool = False
+    stated: np.ndarray | None = None
 
     @property
     def unexplained_most(self):
