@@ -34,6 +34,13 @@ def test_a_recording_of_another_arm_is_told(others):
     assert said.startswith('cannot tell whether run 1 is of the same arm')
 
 
+def test_a_recording_kept_for_the_test_may_be_of_another_arm():
+    runs = recorded(celsius=(25.0, 25.0))
+    diagnosis, _ = diagnose(declared_model(), runs[:3], [another_arm(runs[3])])
+    (said,) = [text for text in diagnosis.cannot_tell if 'same arm' in text]
+    assert said.startswith('cannot tell whether run 3 is of the same arm')
+
+
 def test_an_effect_of_the_whole_arm_that_warm_runs_show_most_is_none():
     hidden = [on(j, 6.0, warming) for j in range(4)]
     diagnosis, _ = diagnosed(*hidden, celsius=(25.5, 35.0))

@@ -24,6 +24,8 @@ from .doubts.time_left import long_loads, many_rejected
 from .doubts.unfounded import (faint_in, of_another_kind, small_beside_others, unsure_in,
                                without_unsure)
 from .doubts.unknown import unexplained_joints, unknown_left
+from .doubts.unknown_temperature import (within_unknown_temperature,
+                                         without_unknown_temperature)
 from .explanation import explain
 from .findings import findings_of, refuted
 from .measured.find import find_residual
@@ -66,20 +68,23 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
               *_unfinished(ex.trace),
               *repeated(ex.residual.cut, ex.evidence, ex.test),
-              *odd_recordings(model, ex.evidence, lambda parts: _sliding(ex.better, parts)),
+              *odd_recordings(model, (*ex.evidence, *test), lambda parts: _sliding(ex.better, parts)),
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]
     findings += mostly_structure(model.robot, ex.residual, ex.rest, findings, structure,
                                  ex.trace.trials)
+    warm = within_unknown_temperature(model, ex.evidence, ex.residual, ex.rest)
+    findings, why = without_unknown_temperature(findings, model.robot.joints, warm)
     correction = offered(ex.better, findings, ex.evidence,
                          lambda m: (_errors(ex.old, m, ex.test)[1], _sliding(m, ex.test)))
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, findings,
-        rest_of_test.least_structure, tuple(cannot), recordings=names, tested_on=tested_on,
+        rest_of_test.least_structure, (*cannot, *why), recordings=names, tested_on=tested_on,
         seen=() if ex.refitted else seen, refitted=ex.refitted, left_out=left_out,
         seconds=time.monotonic() - began,
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
-        another_state=bool(state), stated=model.residuals.rmse), correction), ex.better
+        another_state=bool(state), stated=np.hypot(
+            model.residuals.rmse, np.where(warm, ex.residual.expected, 0.0))), correction), ex.better
 
 
 def _of_recordings(robot, evidence, test, ex):

@@ -39,15 +39,25 @@ def warmed_joints(model, evidence):
         modelled = any(use.name in NEEDS_TEMPERATURE for use in model.uses)
         return (), ['cannot tell effects of temperature because none was recorded'
                     + '; friction as of another temperature counts as expected' * modelled]
+    told = _without_temperature(evidence)
     spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
     warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
     if not warmed:
-        return (), [f'cannot tell effects of temperature because the joints differ by only '
+        return (), [*told, 'cannot tell effects of temperature because the joints differ by only '
                     f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
     why = [f'it differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed' if len(column)
            else 'none was recorded' for span, column in zip(spans, known)]
-    return warmed, [f'cannot tell effects of temperature of {model.robot.joints[j]} because '
-                    f'{why[j]}' for j in range(model.robot.n) if j not in warmed]
+    return warmed, [*told, *(
+        f'cannot tell effects of temperature of {model.robot.joints[j]} because {why[j]}'
+        for j in range(model.robot.n) if j not in warmed)]
+
+
+def _without_temperature(evidence):
+    """Return the sentence on recordings of which no joint's temperature is known at all."""
+    without = dict.fromkeys(e.name for e in evidence
+                            if not np.isfinite(e.motion.temperature).any())
+    return [f'cannot tell what of {", ".join(without)} is of temperature because none was '
+            'recorded there; the other recordings say what depends on it'] if without else []
 
 
 def slow_joint_states(evidence):

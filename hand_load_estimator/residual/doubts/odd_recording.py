@@ -8,6 +8,7 @@ recording to recording and not within one looks like an effect of time, and is n
 import numpy as np
 
 from ...identification.evidence import recording_numbers
+from .unknown_temperature import lacks_temperature
 
 # A joint is off in one recording by so many times what it is in the others, and its noise.
 TIMES, NOISE = 3.0, 3.0
@@ -26,7 +27,9 @@ def odd_recordings(model, evidence, left_by):
     if len(parts) < 2:
         return []
     left = np.array([left_by(own) for own in parts.values()])
-    odd = [_odd(left, k, NOISE * model.noise) for k in range(len(left))]
+    # Friction as of a temperature that nobody knows is no sign of another arm.
+    told = [~np.any([lacks_temperature(model, e) for e in own], axis=0) for own in parts.values()]
+    odd = [told[k] & _odd(left, k, NOISE * model.noise) for k in range(len(left))]
     return [_sentence(model.robot.joints, own[0].name, left, k, odd[k])
             for k, own in enumerate(parts.values()) if odd[k].any()]
 

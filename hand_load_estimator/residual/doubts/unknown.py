@@ -20,7 +20,8 @@ def left_over(robot, blocks):
     return np.stack([blocks.left_over(j) for j in range(robot.n)], axis=1)
 
 
-def _rms(values, rows):
+def rms_of(values, rows):
+    """Return the RMS (n,) of values (N, n) in rows (N, n) bool."""
     count = np.maximum(rows.sum(axis=0), 1)
     return np.sqrt(np.where(rows, values ** 2, 0.0).sum(axis=0) / count)
 
@@ -33,7 +34,7 @@ def unexplained_joints(residual, rest):
     """
     rows = residual.moving & (residual.weights > 0.0)
     noise = residual.noise
-    first, last = (np.sqrt(np.maximum(_rms(values, rows) ** 2 - noise ** 2, 0.0))
+    first, last = (np.sqrt(np.maximum(rms_of(values, rows) ** 2 - noise ** 2, 0.0))
                    for values in (residual.residual, rest))
     return tuple(int(j) for j in np.flatnonzero(
         (last > SHARE * first) & (last > TIMES_NOISE * noise)))
@@ -77,7 +78,7 @@ def _ringing(finding, rings, joints):
 
 
 def _finding(model, residual, rest, joints, variable, evidence):
-    rms = float(_rms(rest, residual.moving)[joints].max())
+    rms = float(rms_of(rest, residual.moving)[joints].max())
     names = tuple(model.robot.joints[j] for j in joints)
     return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
                    replace(evidence, rms=rms), (),

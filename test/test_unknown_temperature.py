@@ -1,0 +1,86 @@
+"""Recordings without temperatures: friction as of another one is no effect of unknown kind."""
+
+from dataclasses import replace
+
+import numpy as np
+from residual_helpers import declared_model, on, recorded
+
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
+from hand_load_estimator.residual.doubts.limits import warmed_joints
+from hand_load_estimator.residual.doubts.odd_recording import odd_recordings
+from hand_load_estimator.residual.doubts.unknown_temperature import (
+    lacks_temperature, within_unknown_temperature, without_unknown_temperature)
+
+JOINTS = declared_model().robot.joints
+
+
+def without(evidence, joints=slice(None)):
+    """Return Evidence without temperatures of some joints."""
+    temperature = evidence.motion.temperature.copy()
+    temperature[:, joints] = np.nan
+    return replace(evidence, motion=replace(evidence.motion, temperature=temperature))
+
+
+def unknown(joints, verdict=SUSPECTED):
+    return Finding(UNKNOWN, joints, {}, np.zeros(4), Evidence(np.nan, np.nan, 30.0, 12, 900, 1.0),
+                   (), '', False, verdict, variables=('time',))
+
+
+def test_cold_and_warm_friction_without_temperatures_is_nothing_unknown():
+    """The clean arm at 5 and 45 degC; with temperatures nothing is left, without, friction."""
+    model, runs = declared_model(), recorded(celsius=(5.0, 45.0))
+    known, _ = diagnose(model, runs)
+    assert not known.findings and not any('temperature' in told for told in known.cannot_tell)
+    blind, _ = diagnose(model, [without(run) for run in runs])
+    assert not blind.findings
+    assert any('without temperatures what is left there' in told for told in blind.cannot_tell)
+    assert (blind.stated > known.stated).any()
+
+
+def test_what_is_more_than_friction_of_another_temperature_stays_unknown():
+    joint = 2
+
+    def beat(run):
+        t = run.motion.stamp[:, None] * np.ones(4)
+        return np.sign(np.sin(9.0 * t) * np.sin(2.3 * t))
+
+    runs = [without(run) for run in recorded(on(joint, 40.0, beat), celsius=(5.0, 45.0))]
+    found, _ = diagnose(declared_model(), runs)
+    assert UNKNOWN in {f.name for f in found.findings if JOINTS[joint] in f.joints}
+
+
+def test_only_what_is_suspected_and_within_is_taken_out():
+    findings = (unknown(JOINTS[:2]), unknown(JOINTS[2:3]), unknown(JOINTS[3:], CONFIRMED))
+    kept, (told,) = without_unknown_temperature(findings, JOINTS,
+                                                np.array([True, False, True, True]))
+    assert [f.joints for f in kept] == [JOINTS[1:2], JOINTS[3:]]
+    assert f'{JOINTS[0]}, {JOINTS[2]} because' in told
+    same, told = without_unknown_temperature(findings, JOINTS, np.zeros(4, bool))
+    assert same == findings and not told
+
+
+def test_a_joint_lacks_temperatures_where_its_friction_depends_on_them():
+    run = recorded()[0]
+    assert not lacks_temperature(declared_model(), run).any()
+    assert lacks_temperature(declared_model(), without(run, 1)).tolist() == [
+        False, True, False, False]
+    plain = declared_model(names=('coulomb_friction', 'viscous_friction'))
+    assert not lacks_temperature(plain, without(run)).any()
+
+
+def test_one_recording_without_temperatures_is_told_and_not_odd():
+    model, runs = declared_model(), recorded(celsius=(5.0, 45.0))
+    runs[1] = without(runs[1])
+    _, told = warmed_joints(model, runs)
+    assert told == ['cannot tell what of run 1 is of temperature because none was recorded there; '
+                    'the other recordings say what depends on it']
+
+    def left_by(parts):
+        return np.full(4, 20.0 if parts[0] is runs[1] else 1.0)
+
+    assert odd_recordings(model, runs, left_by) == []
+    assert odd_recordings(model, recorded()[:1] + runs[1:2] + recorded()[2:], left_by) == []
+    known = recorded()
+    assert len(odd_recordings(model, known, lambda parts: np.full(
+        4, 20.0 if parts[0] is known[1] else 1.0))) == 1
