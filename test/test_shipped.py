@@ -6,6 +6,7 @@ import pytest
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases
 from hand_load_estimator.benchmark.contestants import our_contestants, SUBSET
+from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefact,
                                                   shipped_difference)
 from hand_load_estimator.estimators.load_prior import load_prior
@@ -62,6 +63,14 @@ def test_e1_5_a_network_of_some_joints_and_parameters_is_shipped_and_never_chose
     assert design['joints'] == ['shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint']
     assert design['parameters'] == ['m', 'x', 'y', 'z']
     assert set(subset['held_out']['coverage_of_95']) == set(design['parameters'])
+
+
+def test_an_artefact_is_chosen_by_its_short_name():
+    whole, subset = (build_pipeline('ur10e', 'gru', name).method.state()['weights']
+                     for name in (None, 'ur10e_gru_subset'))
+    assert (whole != subset).any()
+    with pytest.raises(ConfigurationError, match='ur10e_gruu.*neither.*ur10e_gru_subset'):
+        build_pipeline('ur10e', 'gru', 'ur10e_gruu')
 
 
 @pytest.mark.parametrize('network', NETWORKS)

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from pathlib import Path
 
 from ..errors import ConfigurationError
 from ..files.shared_files import find_shared, share_folder
@@ -65,7 +64,7 @@ def build_method(model, uncertainties, name, learned=None):
     """
     Return the Method of a name for a TorqueModel.
 
-    learned: artefact folder, or None for the shipped one. Without any, a method with a network
+    learned: artefact folder, short name of a shipped one, or None for that of the arm. Without any, a method with a network
     becomes `bayes` and the method's name says so, while one on a learned torque difference fails.
     """
     if name not in METHODS:
@@ -77,7 +76,7 @@ def build_method(model, uncertainties, name, learned=None):
                                      learned,
                                      ', '.join(k for k, w in METHODS.items() if w.learned))
         return way.build(model, uncertainties, None)
-    folder = Path(learned) if learned else _shipped(model, name, way.learned)
+    folder = find_shared(learned, 'learned') if learned else _shipped(model, name, way.learned)
     if folder is None:
         return METHODS[WITHOUT_ARTEFACT].build(model, uncertainties, None)
     return way.build(model, uncertainties, folder)

@@ -10,8 +10,9 @@ ESTIMATOR_PARAMETERS = (
               read_only=False),
     Parameter('method', DEFAULT, 'estimator; without a learned artefact gp_... ends with a '
               'message, the others become bayes', choices=tuple(METHODS)),
-    Parameter('learned', '', 'folder of the learned artefact; empty: the shipped one for the '
-              'method and the robot\'s joints and effort kind (gp_...: for the model)'),
+    Parameter('learned', '', 'folder of the learned artefact, or short name of a shipped one; '
+              'empty: the shipped one for the method and the robot\'s joints and effort kind '
+              '(gp_...: for the model)'),
     Parameter('tool', '', 'load file of a known tool, which may state `std`; the estimate is what '
               'is held beside it; empty: none'),
     Parameter('checkpoint', '', 'file in which the estimate survives a restart or kill, written '
