@@ -12,7 +12,7 @@ import numpy as np
 
 from ..estimators.load_prior import load_prior
 from ..estimators.method import Belief
-from ..load import message_from_products, products_from_shape, products_jacobian_of_shape
+from ..load import message_from_products
 
 STANDING = 0.02   # [rad/s]
 COULOMB_VISCOUS = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
@@ -23,11 +23,8 @@ class LeastSquares:
     """Recursive least squares of the products with a Gaussian prior."""
 
     def __init__(self, model, skip_standing):
-        prior = load_prior(model.robot)
-        jacobian = products_jacobian_of_shape(prior.mean)
         self._skip = skip_standing
-        self._mean = products_from_shape(prior.mean)
-        self._covariance = jacobian @ np.diag(prior.std ** 2) @ jacobian.T
+        self._mean, self._covariance = load_prior(model.robot).products
         self._variance = model.residuals.rmse ** 2
 
     def update(self, sample, prediction):

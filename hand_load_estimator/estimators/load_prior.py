@@ -5,6 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..load import products_from_shape, products_jacobian_of_shape
+
 # Radii of gyration squared [m^2] of what a rated load of 10 kg looks like: 0.05 to 0.4 m across.
 GYRATION_MEAN, GYRATION_STD, GYRATION_CROSS_STD = 0.007, 0.006, 0.002
 COM_STD = 0.08
@@ -21,6 +23,12 @@ class LoadPrior:
     def half_scale(self):
         """Half the products (10, 10) of standard deviations: a covariance's scale, in halves."""
         return 0.5 * np.outer(self.std, self.std)
+
+    @cached_property
+    def products(self):
+        """Mean (10,) and covariance (10, 10) of the products, by linearisation."""
+        jacobian = products_jacobian_of_shape(self.mean)
+        return products_from_shape(self.mean), jacobian @ np.diag(self.std ** 2) @ jacobian.T
 
 
 def load_prior(robot):

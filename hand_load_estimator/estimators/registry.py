@@ -30,6 +30,11 @@ def _bayes(model, uncertainties, _):
     return Bayes(model, uncertainties)
 
 
+def _least_squares(model, uncertainties, _):
+    from .least_squares import LeastSquares
+    return LeastSquares(model, uncertainties)
+
+
 def _lstm(model, uncertainties, folder):
     from ..learning.artefact import read_artefact
     from .lstm import Lstm
@@ -61,6 +66,7 @@ def _on_difference(name):
 METHODS = {
     'lstm': Way(_lstm, 'lstm'),
     'bayes': Way(_bayes),
+    'least_squares': Way(_least_squares),
     **{name: _direct(name) for name in NETWORKS},
     **{name: _on_difference(name) for name in (
         'gp_histogram', 'gp_bayes', 'gp_swarm', 'gp_evolution', 'gp_annealing')}}
