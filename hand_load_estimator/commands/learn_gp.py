@@ -26,7 +26,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Learn, write the artefact and say what it takes off the residual."""
+    """Learn, write the artefact, say how much of it counts and what it takes off the residual."""
     from ..learning.difference_artefact import CARD, SCHEMA
     from ..learning.difference_inputs import parse_inputs
     from ..learning.learn_difference import learn_difference
@@ -41,7 +41,8 @@ def run(args):
     result = learn_difference(out, model, evidence, args.function, names,
                               write=lambda text: print(text, file=sys.stderr, flush=True))
     print(f'artefact in {out}')
-    print('low-frequency residual on recordings left out, with it over without it:')
-    for name, share in zip(model.robot.joints, result.share):
-        print(f'{name:24s} {share:5.2f}')
+    print('on recordings left out: what is to be subtracted of the learned torque [share],')
+    print('and the low-frequency residual with it over without it:')
+    for name, gain, share in zip(model.robot.joints, result.gain, result.share):
+        print(f'{name:24s} {gain:5.2f} {share:5.2f}')
     return 0

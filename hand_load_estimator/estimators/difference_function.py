@@ -1,9 +1,10 @@
 """
 The torque an arm without load would show: torque model plus learned difference (E2.2).
 
-tau_est = tau_mdl + mean of the learned function; the offset torque dtau = tau_real - tau_est
-belongs to the load. What the function does not know of the place it is asked about widens the
-error a sample is expected to have (E6.4).
+tau_est = tau_mdl + gain * mean of the learned function, joint by joint; the offset torque dtau =
+tau_real - tau_est belongs to the load. What the function does not know of the place it is asked
+about, and what of its mean is not subtracted, widens the error a sample is expected to have
+(E6.4).
 """
 
 from dataclasses import replace
@@ -11,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..learning.difference_inputs import difference_inputs
+from ..learning.left_out import unexplained
 from ..torque.columns import warmth_of
 
 # An error of the function lasts about as long [s] as a joint stays at one speed; as a coloured
@@ -22,10 +24,10 @@ LEAST_SHARE = 0.5
 
 class DifferenceFunction:
     """
-    Mean and variance of the no-load torque difference of a DifferenceArtefact.
+    Mean and variance of the no-load torque difference of a DifferenceArtefact, as it is used.
 
-    doubt: the function's standard deviation at the last sample over the one it usually had on
-    recordings left out, of the joint with the largest (E6.4); 0 before any sample.
+    doubt: the standard deviation about what was subtracted at the last sample, over the one it
+    usually had on recordings left out, of the joint with the largest (E6.4); 0 before any sample.
     """
 
     def __init__(self, model, artefact):
@@ -41,11 +43,12 @@ class DifferenceFunction:
         return self._artefact.fingerprint
 
     def mean_and_variance(self, q, v, a, temperature):
-        """Return mean [Nm] and variance [Nm^2] (n,) of tau_real - tau_mdl without load."""
+        """Return what to subtract [Nm] (n,) and the variance [Nm^2] (n,) about it."""
         artefact = self._artefact
         x = difference_inputs(artefact.inputs, q, v, a, warmth_of(self._robot, temperature))
         mean, variance = artefact.predictor.at(x)
-        return mean * artefact.scale, variance * artefact.scale ** 2
+        return (artefact.gain * mean * artefact.scale,
+                unexplained(mean, variance, artefact.gain) * artefact.scale ** 2)
 
     def corrected(self, sample, prediction):
         """Return the Prediction with dtau for its difference and the function's doubt."""

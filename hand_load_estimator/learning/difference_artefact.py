@@ -26,7 +26,7 @@ PREDICTORS = {'gp': InducingPoints, 'neural_process': NetworkDraws, 'distilled':
               'bayesian_network': NetworkDraws}
 AGAIN = 'make one with `hand_load learn-gp BAG... --model MODEL.yaml --out DIR`'
 # Tensors beside those of the predictor, (n,) each.
-_SHARED = ('scale', 'share', 'left_out_variance')
+_SHARED = ('scale', 'gain', 'share', 'left_out_variance')
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,14 @@ class DifferenceArtefact:
     """
     predictor: at(inputs) -> mean, variance; inputs: names; scale (n,) [Nm]: unit of the mean.
 
-    share, left_out_variance (n,): see difference_data.LeftOut; card: the JSON content;
+    gain, share, left_out_variance (n,): see left_out.LeftOut; card: the JSON content;
     fingerprint: numbers that differ where tensors or inputs do.
     """
 
     predictor: object
     inputs: tuple
     scale: np.ndarray
+    gain: np.ndarray
     share: np.ndarray
     left_out_variance: np.ndarray
     card: dict
@@ -82,6 +83,8 @@ def read_difference(folder, model):
                                  todo=AGAIN) from None
     _check_card(folder / CARD, card, model)
     tensors = {name: value.astype(float) for name, value in tensors.items()}
+    # Artefacts without a word are of a time when the whole mean was subtracted, and judged so.
+    tensors.setdefault('gain', np.ones(model.robot.n))
     predictor = PREDICTORS[card['function']]
     sizes = {'n': model.robot.n, 'D': input_width(card['inputs'], model.robot.n), '2': 2}
     shapes = {**predictor.SHAPES, **dict.fromkeys(_SHARED, 'n')}

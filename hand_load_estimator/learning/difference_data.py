@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..identification.regression_system import System
-from ..identification.residual_noise import density
 from ..torque.columns import warmth_of
 from .difference_inputs import difference_inputs
 
@@ -41,36 +40,3 @@ def difference_data(model, evidence, names):
         tuple(names), difference_inputs(names, q, v, a, warmth_of(robot, temperature)),
         system.residual(model.mean) / residuals.rmse, residuals.rmse,
         np.minimum(weights * residuals.rmse ** 2, 1.0), system.owner, system.dt)
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """
-    How a function does on recordings it was not learned from, joint by joint (n,).
-
-    share: the residual's low-frequency density over that without the function; variance
-    [scale^2]: mean variance it stated there.
-    """
-
-    share: np.ndarray
-    variance: np.ndarray
-
-
-def left_out(data, learn):
-    """
-    Return LeftOut of learn(rows (N,) bool) -> predict(inputs) -> mean, variance (N, n).
-
-    Each recording in turn is left out; a single one is cut into four parts in time instead.
-    """
-    parts = data.owner
-    if len(np.unique(parts)) == 1:
-        parts = np.arange(len(parts)) * 4 // len(parts)
-    rest, variance = np.empty_like(data.difference), np.empty_like(data.difference)
-    for part in np.unique(parts):
-        out = parts == part
-        mean, variance[out] = learn(~out)(data.inputs[out])
-        rest[out] = data.difference[out] - mean
-    before, after = (density(residual, data.worth, data.owner, data.dt)
-                     for residual in (data.difference, rest))
-    return LeftOut(after / np.maximum(before, 1e-12),
-                   (data.worth * variance).sum(axis=0) / data.worth.sum(axis=0))

@@ -10,9 +10,10 @@ from ..estimators.inducing_points import InducingPoints
 from ..estimators.network_draws import NetworkDraws
 from .bayesian_network import learn_bayesian_network
 from .difference_artefact import PREDICTORS, write_difference
-from .difference_data import difference_data, left_out
+from .difference_data import difference_data
 from .difference_inputs import DEFAULT_INPUTS
 from .distilled_network import distil
+from .left_out import left_out
 from .neural_process import learn_neural_process
 from .torque_gp import learn_gp, learn_kernel, process_posterior
 
@@ -33,11 +34,12 @@ def learn_difference(folder, model, evidence, function='gp', names=DEFAULT_INPUT
     tensors, result = _learned(data, function, write)
     write_difference(
         folder, model, function, names,
-        {**tensors, 'scale': data.scale, 'share': result.share,
+        {**tensors, 'scale': data.scale, 'gain': result.gain, 'share': result.share,
          'left_out_variance': result.variance},
         {'recordings': [e.name for e in evidence],
          'known_load': any(e.load.mass > 0.0 for e in evidence), 'seed': SEED,
          'samples': len(data.dt),
+         'gain': [round(float(v), 4) for v in result.gain],
          'left_out_density_share': [round(float(v), 4) for v in result.share]})
     return result
 

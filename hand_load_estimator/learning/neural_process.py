@@ -14,8 +14,8 @@ from torch import nn
 
 from ..errors import ConfigurationError
 from ..estimators.network_draws import NetworkDraws
-from .difference_data import left_out
 from .joint_networks import HIDDEN, LOG_VARIANCE
+from .left_out import left_out
 
 CODE, CONTEXT, STEPS, RATE = 16, 256, 1500, 1e-2
 # Samples of one task lie in random stretches of so many, as recordings do.

@@ -11,7 +11,7 @@ import numpy as np
 import torch
 
 from ..estimators.inducing_points import InducingPoints, matern
-from .difference_data import left_out
+from .left_out import left_out
 
 POINTS, STEPS, BATCH, RATE = 32, 150, 512, 0.05
 # Natural gradients of the points' posterior: a step of 1 on all data would end at its optimum.
