@@ -1,5 +1,6 @@
 """`hand_load train --network`: E1.3 to E1.6 as artefacts, handed over as a folder (E10.1)."""
 
+from dataclasses import replace
 import json
 
 from core_helpers import block, exact_model, feed, messages, warm
@@ -11,9 +12,10 @@ import torch
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
-from hand_load_estimator.learning import direct_training, shards, training_loop
+from hand_load_estimator.learning import direct_training, shards, training, training_loop
 from hand_load_estimator.learning.direct_design import Design, design_for
 from hand_load_estimator.learning.direct_training import DirectRecipe, train_direct
+from hand_load_estimator.learning.objective import DIVERGENCES
 from hand_load_estimator.torque.model_file import write_model
 
 STEPS = 4
@@ -77,6 +79,36 @@ def test_E10_1_the_folder_is_all_that_is_handed_over(trained):
     assert np.isfinite(last.mean).all() and pipeline.method.name == 'two_network'
 
 
+def test_E6_1_another_divergence_trains_another_network_and_the_card_says_which(
+        trained, tmp_path, monkeypatch):
+    monkeypatch.setattr(shards, 'BATCH', 8)
+    robot = exact_model('four').robot
+    train_direct(trained[0] / 'model.yaml', tmp_path,
+                 replace(recipe_for(robot), divergence='jensen_shannon'), 'cpu', print)
+    kinds = [json.loads((folder / 'card.json').read_text())['recipe']['divergence']
+             for folder in (trained[0] / 'whole', tmp_path)]
+    assert kinds == ['kl', 'jensen_shannon']
+    one, other = (load_file(folder / 'network.safetensors')['network.load.head.bias']
+                  for folder in (trained[0] / 'whole', tmp_path))
+    assert np.isfinite(other).all() and np.abs(one - other).max() > 1e-4
+    pipeline = warm(build_pipeline(trained[0] / 'model.yaml', 'two_network', str(tmp_path)))
+    last = feed(pipeline, messages(exact_model('four'), block(2.0), 1.0))[-1]
+    assert np.isfinite(last.mean).all() and (last.std > 0.0).all()
+
+
+@pytest.mark.parametrize('network, module', [('lstm', training), ('gru', direct_training)])
+@pytest.mark.parametrize('kind', [None, *DIVERGENCES])
+def test_E6_1_the_divergence_is_chosen_by_name(trained, tmp_path, monkeypatch, network, module,
+                                               kind):
+    recipes = []
+    monkeypatch.setattr(module, 'train' if network == 'lstm' else 'train_direct',
+                        lambda model, folder, recipe, *_: recipes.append(recipe) or {})
+    chosen = ['--divergence', kind] if kind else []
+    assert main(['train', '--model', str(trained[0] / 'model.yaml'), '--network', network,
+                 '--out', str(tmp_path / 'out'), *chosen]) == 0
+    assert recipes[0].divergence == (kind or 'kl')
+
+
 def test_an_artefact_goes_with_its_own_method_only(trained):
     for method in ('gru', 'lstm'):
         with pytest.raises(ConfigurationError, match='whole'):
@@ -106,6 +138,8 @@ def test_pieces_grow_and_begin_anywhere(trained):
     (['--network', 'gru', '--joints', 'j0,j9'], 'j9'),
     (['--network', 'magic'], 'lstm_direct'),
     (['--network', 'gru', '--layers', '0'], '1 to 8'),
+    (['--network', 'gru', '--divergence', 'hellinger'], 'jensen_shannon'),
+    (['--network', 'dropout', '--divergence', 'kl'], 'does not go with --network dropout'),
     (['--network', 'gru', '--window', '10'], 'does not go with --network gru'),
     (['--layers', '2'], 'does not go with --network lstm'),
     (['--parameters', 'm'], 'does not go with --network lstm')])

@@ -42,6 +42,10 @@ def add_arguments(parser):
                              '1; not for lstm)')
     parser.add_argument('--window', type=int, default=None, metavar='N',
                         help='samples of 20 ms that feedforward reads at once (default 25)')
+    parser.add_argument('--divergence', choices=('kl', 'jensen_shannon'), default=None,
+                        help='what training minimises between the true load and the answer\'s '
+                             'mean and variance (default kl; not for dropout, which is trained '
+                             'without a variance)')
     parser.add_argument('--sequences', type=int, default=None, metavar='N',
                         help='training sequences of 10 s (default 6400, to fine-tune 1216; 2048 '
                              'for the others)')
@@ -68,7 +72,7 @@ def run(args):
 
 
 def _train(args):
-    chosen = {name: value for name in ('sequences', 'passes')
+    chosen = {name: value for name in ('sequences', 'passes', 'divergence')
               if (value := getattr(args, name)) is not None}
 
     def write(text):
@@ -87,6 +91,8 @@ def _train(args):
     _refuse(args, ('start_from',), 'lstm')
     if args.network != 'feedforward':
         _refuse(args, ('window',), 'feedforward')
+    if args.network == 'dropout':
+        _refuse(args, ('divergence',), 'every other one')
     sizes = {name: getattr(args, name) for name in SIZES if getattr(args, name) is not None}
     design = design_for(read_model(model).robot, args.network, args.joints, args.parameters,
                         **sizes)

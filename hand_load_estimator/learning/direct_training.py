@@ -46,6 +46,7 @@ class DirectRecipe:
     passes: int = 60
     learning_rate: float = 3e-3
     seed: int = 1
+    divergence: str = 'kl'
 
 
 def train_direct(model_path, folder, recipe, device='auto', write=print):
@@ -77,7 +78,7 @@ class Loss:
     """
 
     def __init__(self, robot, recipe, shards):
-        self._robot, self._seed = robot, recipe.seed
+        self._robot, self._seed, self._kind = robot, recipe.seed, recipe.divergence
         self._design, self._steps = recipe.design, recipe.passes * shards
         self._joints = [robot.joints.index(name) for name in recipe.design.joints]
         rng = np.random.default_rng([recipe.seed, 2])
@@ -121,7 +122,7 @@ class Loss:
                    for name in ('warmth', 'columns', 'error')}}
 
     def _divergence(self, mean, std, load):
-        return divergence(mean, std ** 2, load)[..., self._design.picked].mean()
+        return divergence(mean, std ** 2, load, self._kind)[..., self._design.picked].mean()
 
     def _of_two(self, network, x, load, error, at):
         first, predicted, corrected, _ = network.passes(x)

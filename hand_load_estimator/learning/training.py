@@ -30,7 +30,8 @@ class Recipe:
     Everything that decides the result beside the torque model.
 
     sequences for training, calibration and validation; passes over the training sequences;
-    hidden units; learning_rate at its highest; seed of the first weights and of the order.
+    hidden units; learning_rate at its highest; seed of the first weights and of the order;
+    divergence: kind of objective.DIVERGENCES.
     """
 
     sequences: int = 6400
@@ -40,6 +41,7 @@ class Recipe:
     hidden: int = 48
     learning_rate: float = 4e-3
     seed: int = 1
+    divergence: str = 'kl'
 
 
 # From an artefact's weights, which know the arm already.
@@ -81,7 +83,7 @@ def _optimised(robot, recipe, paths, work, device, write, start):
 
     def loss(network, shard, _):
         mean, variance, _ = answers(network, shard, *prior)
-        return divergence(mean, variance, shard['load']).mean()
+        return divergence(mean, variance, shard['load'], recipe.divergence).mean()
 
     torch.manual_seed(recipe.seed)
     network = LoadNetwork(feature_count(robot.n), robot.n, recipe.hidden)
