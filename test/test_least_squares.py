@@ -64,7 +64,7 @@ def test_e7_2_the_answer_is_the_batch_solution_over_the_joints_that_move(model):
 
 
 def test_it_is_the_line_of_the_benchmark_on_our_model(model):
-    """Whoever selects it gets what the tables show: the same mean, with a covariance of its own."""
+    """Whoever selects it gets what the tables show: the same mean, a covariance of its own."""
     pipeline, rival = pipeline_of(model), Rival(model, skip_standing=True)
     seen = spied(pipeline)
     for estimate in feed(pipeline, messages(model, LOAD, 2.0)):

@@ -64,8 +64,9 @@ def build_method(model, uncertainties, name, learned=None):
     """
     Return the Method of a name for a TorqueModel.
 
-    learned: artefact folder, short name of a shipped one, or None for that of the arm. Without any, a method with a network
-    becomes `bayes` and the method's name says so, while one on a learned torque difference fails.
+    learned: artefact folder, short name of a shipped one, or None for that of the arm. Without
+    any, a method with a network becomes `bayes` and the method's name says so, while one on a
+    learned torque difference fails.
     """
     if name not in METHODS:
         raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
