@@ -191,6 +191,17 @@ def test_a_state_that_does_not_fit_changes_nothing(name, found, learned):
         np.testing.assert_array_equal(value, before[key])
 
 
+@pytest.mark.parametrize('name', METHODS)
+def test_a_state_stays_as_it_was_while_the_method_goes_on(name, found):
+    """A node writes it in a thread of its own."""
+    going_on = deepcopy(found(name))
+    state = going_on.method.state()
+    before = deepcopy(state)
+    feed(going_on, later(name, LOAD, 0.8))
+    for key, value in before.items():
+        np.testing.assert_array_equal(state[key], value, key)
+
+
 @pytest.mark.parametrize('name', LEARNED)
 def test_a_checkpoint_belongs_to_what_was_learned(name, found, learned, tmp_path):
     with pytest.raises(CheckpointError, match='does not fit: it comes from another learned'):

@@ -98,7 +98,7 @@ class LeastSquares(Watching):
         sums = self._sums
         return {**joined_state(beside=self._beside.state()), 'sums_matrix': sums.matrix.copy(),
                 'sums_vector': sums.vector.copy(), 'sums_by_joint': sums.by_joint.copy(),
-                'errors': self._errors, 'zero': self._zero, 'zero_doubt': self._zero_doubt}
+                'errors': self._errors.copy(), 'zero': self._zero, 'zero_doubt': self._zero_doubt}
 
     def restore(self, state):
         """Go on from a state(); friction lasts no longer than the gap."""
