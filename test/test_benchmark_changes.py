@@ -10,6 +10,7 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import change_scores, changes
 from hand_load_estimator.benchmark.document import to_markdown
 from hand_load_estimator.benchmark.other_pages import change_blocks
+from hand_load_estimator.estimators.build import shipped_difference
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.torque.model_file import read_model
 
@@ -59,11 +60,9 @@ def test_delays_count_from_motion_and_only_after_the_change():
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
     page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
     assert '| 0.20 to 0.30 s, 0 of 2 missed |' in page
-    assert '| bayes | 4 | 1 | 0 | 1 | 0 | 0.10 |' in page and 'Not measured here' not in page
+    assert '| bayes | 4 | 1 | 0 | 1 | 0 | 0.10 |' in page
     # Errors 30 and 90 g after half an hour, std 20 g.
     assert '| bayes | 2 | 2.0 | 50.00 | 67 | 50 |' in page
-    page = to_markdown(change_blocks({'methods': {'bayes': figures}, 'left_out': ['gp_bayes']}))
-    assert 'Not measured here: `gp_bayes`;' in page
 
 
 def test_a_change_counts_as_seen_only_where_its_load_is_found():
@@ -94,18 +93,21 @@ def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
 def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
     """The shipped model on the arm it was identified from."""
     model = read_model(find_shared('ur10e', 'models'))
-    monkeypatch.setattr(changes, 'robot_and_model', lambda *_: (model.robot, model))
+    monkeypatch.setattr(changes, 'robot_and_models', lambda path, plant, functions: (
+        model.robot, {'ours': model, 'difference': dict.fromkeys(
+            functions, shipped_difference(model))}))
     monkeypatch.setattr(changes, 'DURATION', 6.0)
     monkeypatch.setattr(changes, 'CHANGE_AT', (2.0, 2.5))
     plant = seeds.SHIPPED_MODEL_PLANT
     found = changes.measure_job('change', 'ur10e', plant, seeds.DEVELOPMENT_CASES[700], 'pick',
-                                None, ('bayes',))
+                                None, ('bayes', 'gp_bayes'))
     assert found['at'] <= found['moved'] < 6.0
-    (stamps,) = found['seen'].values()
-    assert stamps and found['at'] <= stamps[0] < found['moved'] + 2.0
-    assert change_scores.found_load('bayes', found)
+    assert set(found['seen']) == {'bayes', 'gp_bayes'}
+    for name, stamps in found['seen'].items():
+        assert stamps and found['at'] <= stamps[0] < found['moved'] + 2.0
+        assert change_scores.found_load(name, found)
     quiet = changes.measure_job('running', 'ur10e', plant, seeds.DEVELOPMENT_CASES[701], 4.0,
-                                None, ('bayes',))
-    assert quiet['changes'] == {'bayes': 0} and quiet['samples'] > 150
+                                None, ('bayes', 'gp_bayes'))
+    assert quiet['changes'] == {'bayes': 0, 'gp_bayes': 0} and quiet['samples'] > 150
     error, std = quiet['end']['bayes']
     assert abs(error) < 4.0 * std < 4.0

@@ -7,6 +7,7 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import pushes, suggestion
 from hand_load_estimator.benchmark.contestants import OUR_MODEL
 from hand_load_estimator.benchmark.document import to_markdown
+from hand_load_estimator.estimators.build import shipped_difference
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.simulation.simulate_motions import named_motion
 from hand_load_estimator.torque.model_file import read_model
@@ -17,7 +18,9 @@ def shipped(monkeypatch):
     """Let every suite look through the shipped model; return it."""
     model = read_model(find_shared('ur10e', 'models'))
     for module in (pushes, suggestion):
-        monkeypatch.setattr(module, 'robot_and_model', lambda *_: (model.robot, model))
+        monkeypatch.setattr(module, 'robot_and_models', lambda path, plant, functions: (
+            model.robot, {'ours': model, 'difference': dict.fromkeys(
+                functions, shipped_difference(model))}))
     return model
 
 
@@ -119,8 +122,8 @@ def test_up_and_down_are_vertical_and_sideways_is_not():
 
 def test_a_push_moves_who_keeps_nothing_out(shipped):
     found = pushes.measure_push('ur10e', seeds.SHIPPED_MODEL_PLANT, seeds.DEVELOPMENT_CASES[998],
-                                60.0, None, ('bayes',))
-    assert set(found['methods']) == {'bayes', OUR_MODEL}
+                                60.0, None, ('bayes', 'gp_bayes'))
+    assert set(found['methods']) == {'bayes', 'gp_bayes', OUR_MODEL}
     gated, open_ = found['methods']['bayes'], found['methods'][OUR_MODEL]
     assert gated['told'] > 0.5 and open_['told'] == 0.0
     assert gated['during'] < 0.5 * open_['during'] and abs(gated['after']) < abs(open_['after'])

@@ -1,17 +1,14 @@
 """The changes suite: loads picked up, exchanged, dropped and slipped, and long running without."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from .. import seeds
-from ..identification.identify import identify
 from ..load import LoadParameters
 from ..plant import simulate_motion
-from ..robot import load_robot
 from ..simulation.simulate_motions import named_motion
-from .cases import draw_load, identification_evidence, motion_start, stream_samples
-from .contestants import chosen_methods, our_contestants
+from .cases import draw_load, motion_start, stream_samples
+from .contestants import chosen_methods, functions_of, our_contestants
+from .measure import robot_and_models
 from .suites import CASES_PER_PLANT
 
 KINDS = ('pick', 'exchange', 'drop', 'slip')
@@ -39,13 +36,6 @@ def draw_change(robot, seed, kind):
     return {'pick': (empty, first, at), 'drop': (first, empty, at)}.get(kind, (first, second, at))
 
 
-@lru_cache(maxsize=2)
-def robot_and_model(robot_path, plant):
-    """Return the Robot of a file and the model identified from a plant seed's recordings."""
-    robot = load_robot(robot_path)
-    return robot, identify(robot, identification_evidence(robot, plant))
-
-
 def measure_change(robot_path, plant, seed, kind, learned, methods):
     """
     Return when each method saw one change of the load.
@@ -55,7 +45,7 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
     load, None where there is none; the load (10,) held at the end, the rated mass [kg], and what
     each method says at the end.
     """
-    robot, model = robot_and_model(robot_path, plant)
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods))
     before, after, at = draw_change(robot, seed, kind)
     rng = np.random.default_rng([seed, 12])
     motion = named_motion('pick_place', robot, DURATION, rng.uniform(0.5, 1.0), seed)
@@ -64,7 +54,8 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
         run=seed, start_temperature=rng.uniform(15.0, 50.0), load=before,
         load_changes=[(at, after)]))
     samples = list(stream_samples(robot, events))
-    racing = our_contestants(model, chosen_methods(methods), learned)
+    racing = our_contestants(models['ours'], chosen_methods(methods), learned,
+                             models.get('difference'))
     told = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
     moved = motion_start(robot, [e for e in events if e.stamp >= at])
     return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved,
@@ -91,13 +82,14 @@ def measure_running(robot_path, plant, seed, seconds, learned, methods):
 
     'end': {method: [error, std]} of the mass [kg] after all that time.
     """
-    robot, model = robot_and_model(robot_path, plant)
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods))
     load = draw_load(robot, np.random.default_rng([seed, 13]))
     motion = named_motion('pick_place', robot, seconds, 1.0, seed)
     events = simulate_motion(
         robot, motion.time, motion.position, motion.velocity, motion.acceleration, seed=plant,
         run=seed, start_temperature=COLD, load=load)
-    racing = our_contestants(model, chosen_methods(methods), learned)
+    racing = our_contestants(models['ours'], chosen_methods(methods), learned,
+                             models.get('difference'))
     count = 0
     # Not kept: half an hour of samples is not small.
     for count, sample in enumerate(stream_samples(robot, events), start=1):

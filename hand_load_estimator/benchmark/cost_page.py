@@ -20,7 +20,8 @@ def cost_blocks(content):
              'called in a loop of its own over the same samples, before the method is built; '
              '*beside*, between the samples of the method: what that leaves in the caches makes '
              'the call slower. The goal is judged by the undisturbed one.'
-             + ''.join(f' {sentence}' for sentence in other) + left_out_told(content)),
+             + ''.join(f' {sentence}' for sentence in other)
+             + left_out_told(content, 'nothing learned of theirs is shipped')),
         Table(['per 20 ms sample', 'mean [us]', 'p50 [us]', 'p99 [us]',
                'regressor call undisturbed [us]', 'beside [us]', 'mean / undisturbed',
                'p99 / undisturbed', 'mean / beside', 'p99 / beside'],

@@ -44,14 +44,19 @@ def plant_models(robot, plant, functions=(), folder=None, recorded=None, told=Tr
     models = {'ours': identify(robot, evidence),
               'textbook': identify(robot, evidence, COULOMB_VISCOUS),
               'nominal': nominal_model(robot, noise ** 2 / RATE)}
-    for function in functions:
-        held = evidence if function != KNOWN_LOAD else identification_evidence(
-            robot, plant, _half(robot.rated_load), recorded, told)
-        learn_difference(Path(folder) / function, models['ours'], held,
-                         'gp' if function == KNOWN_LOAD else function)
     if functions:
-        models['difference'] = {name: Path(folder) / name for name in functions}
+        models['difference'] = {name: learn_function(
+            name, folder, models['ours'], evidence if name != KNOWN_LOAD else
+            identification_evidence(robot, plant, _half(robot.rated_load), recorded, told))
+            for name in functions}
     return models
+
+
+def learn_function(name, folder, model, evidence):
+    """Learn one of functions_of, of what a TorqueModel leaves; return its folder in `folder`."""
+    own = Path(folder) / name
+    learn_difference(own, model, evidence, 'gp' if name == KNOWN_LOAD else name)
+    return own
 
 
 def _half(load):

@@ -17,10 +17,10 @@ def _grams(value):
     return f'{1e3 * value:.0f}' if np.isfinite(value) else '-'
 
 
-def left_out_told(content):
-    """Return what to say of methods that took no part."""
+def left_out_told(content, why):
+    """Return what to say of methods that took no part; why: a clause."""
     names = ', '.join(f'`{name}`' for name in content.get('left_out', ()))
-    return f' Not measured here: {names}; each model would need its own training.' if names else ''
+    return f' Not measured here: {names}; {why}.' if names else ''
 
 
 def change_blocks(content):
@@ -41,7 +41,7 @@ def change_blocks(content):
              'carries the load after the change. A change is missed where it was never seen, or '
              'where the estimate at the end is of another load: mass and, from 2 kg on, centre of '
              'mass neither within three standard deviations nor within 2 % of the rated mass '
-             'and 3 mm.' + left_out_told(content)),
+             'and 3 mm.'),
         Table(['method', 'changes', 'missed', 'of these seen, wrong at the end', 'seen before',
                'counted again', 'delay, median [s]', '95th percentile [s]'], rows),
         Text('False alarms: changes seen while one load stayed through runs of half an hour, each '

@@ -4,10 +4,10 @@ import numpy as np
 
 from .. import seeds
 from .cases import Case, case_run, draw_case
-from .changes import robot_and_model
-from .contestants import chosen_methods, Contestant, our_contestants, OUR_MODEL
+from .contestants import (chosen_methods, Contestant, functions_of, our_contestants,
+                          OUR_MODEL)
 from .document import Heading, Table, Text
-from .other_pages import left_out_told
+from .measure import robot_and_models
 from .rivals import LeastSquares
 from .suites import CASES_PER_PLANT
 
@@ -41,9 +41,11 @@ def measure_push(robot_path, plant, seed, force, learned, methods):
     told: share of the push in which a contact was told; changes: load changes counted in the
     whole run.
     """
-    robot, model = robot_and_model(robot_path, plant)
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods))
+    model = models['ours']
     case, start = draw_push(robot, plant, seed, force)
-    racing = {**our_contestants(model, chosen_methods(methods), learned),
+    racing = {**our_contestants(model, chosen_methods(methods), learned,
+                                models.get('difference')),
               # It keeps nothing out: what a push does where nobody looks for one.
               OUR_MODEL: Contestant(model, lambda f: LeastSquares(model, True))}
     errors, told, stamps = {name: [] for name in racing}, {name: [] for name in racing}, []
@@ -119,7 +121,7 @@ def push_blocks(content):
         Text(f'{content["pushes"]} pushes of {DURATION:g} s in any direction, '
              f'{" or ".join(f"{force:g}" for force in FORCES)} N, while a load is moved. A push '
              'straight up or down is one that a load could make too. '
-             f'`{OUR_MODEL}` keeps no contact out.' + left_out_told(content)),
+             f'`{OUR_MODEL}` keeps no contact out.'),
         Table(['method', 'mass RMSE just before [g]', 'during [g]', 'worst push [g]',
                f'{LATER:g} s after [g]', 'told as contact [% of the push]',
                'runs with a load change counted'], rows),

@@ -14,8 +14,9 @@ from ..recording import read_recording
 from ..robot import load_robot
 from ..stream.joint_stream import JointStream, motion_of, motion_samples
 from .cases import motion_start
-from .contestants import (chosen_methods, Contestant, NOMINAL, our_contestants, OUR_MODEL,
-                          TEXTBOOK, TEXTBOOK_CAREFUL)
+from .contestants import (chosen_methods, Contestant, functions_of, KNOWN_LOAD, NOMINAL,
+                          our_contestants, OUR_MODEL, TEXTBOOK, TEXTBOOK_CAREFUL)
+from .measure import learn_function
 from .offline import offline_beliefs
 from .real_course import CourseOf, JUDGED_FROM
 from .real_robots import ARMS, write_robot_file
@@ -57,10 +58,7 @@ def measure_set(name, data, folder, methods, rivals=()):
     robot = load_robot(path)
     recordings = [read_recording(run) for run in train]
     evidence = [_evidence(robot, recording) for recording in recordings]
-    models = {'ours': identify(robot, evidence),
-              'textbook': identify(robot, evidence, COULOMB_VISCOUS)}
-    # How joints are to be weighed, only what the identified model leaves can tell.
-    models['nominal'] = nominal_model(robot, models['ours'].residuals.intensity)
+    models = _models(robot, evidence, methods, inputs / 'learned')
     held = (recordings[0].load or LoadParameters()).mass
     runs = [(run, held) for run in test]
     runs += [(data / name / run, mass) for run, mass in LOADED.get(name, {}).items()]
@@ -75,9 +73,21 @@ def _evidence(robot, recording):
                    recording)
 
 
+def _models(robot, evidence, methods, folder):
+    """Return the models of one set as plant_models does; what is learned lies below `folder`."""
+    ours = identify(robot, evidence)
+    # All training runs carry one load: KNOWN_LOAD has no others to be learned from.
+    functions = [name for name in functions_of(methods) if name != KNOWN_LOAD]
+    return {'ours': ours, 'textbook': identify(robot, evidence, COULOMB_VISCOUS),
+            # How joints are to be weighed, only what the identified model leaves can tell.
+            'nominal': nominal_model(robot, ours.residuals.intensity),
+            'difference': {name: learn_function(name, folder, ours, evidence)
+                           for name in functions}}
+
+
 def _racing(models, methods):
     ours, textbook, nominal = models['ours'], models['textbook'], models['nominal']
-    return {**our_contestants(ours, chosen_methods(methods), None),
+    return {**our_contestants(ours, chosen_methods(methods), None, models['difference']),
             TEXTBOOK: Contestant(textbook, lambda f: LeastSquares(textbook, False)),
             TEXTBOOK_CAREFUL: Contestant(textbook, lambda f: LeastSquares(textbook, True)),
             OUR_MODEL: Contestant(ours, lambda f: LeastSquares(ours, True)),

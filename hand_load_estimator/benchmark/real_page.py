@@ -20,7 +20,8 @@ def real_blocks(content):
              'kept above zero; `mujoco.sysid` and `figaroh` name no other masses, so one column '
              'takes every mass below zero for zero. The load of run load_2600 is known by the '
              'file name only. '
-             f'Loads assumed: {_assumed(content)}.' + left_out_told(content)),
+             f'Loads assumed: {_assumed(content)}.'
+             + left_out_told(content, 'all training runs of a set carry one load')),
         Text('Times count from motion start. The load is the same all along each run: every load '
              'change counted is a false one. Rivals that look at a whole recording are asked at '
              '3 s, 10 s and the end only.'),

@@ -13,7 +13,7 @@ from . import pushes, suggestion
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores
 from .changes import change_jobs, CHANGES, measure_job
-from .contestants import chosen_methods, DEFAULT, FUNCTION, ON_FUNCTION
+from .contestants import chosen_methods, DEFAULT, FUNCTION, KNOWN_LOAD, ON_FUNCTION
 from .cost import cost_jobs, cost_scores, measure_cost
 from .cost_page import cost_blocks
 from .document import Heading, Text, write_pages
@@ -158,14 +158,12 @@ def _some(found, raw):
 def _other(name, robot_path, options, raw, write):
     """Return content and blocks of a suite that is no accuracy suite."""
     run = (options.workers, options.backend, write)
-    # Without a torque difference learned for the model of each plant or recording.
-    left_out = [m for m in chosen_methods(options.methods) if m in FUNCTION]
     if name == 'changes':
         jobs = change_jobs(str(robot_path), options.cases or CHANGES,
                            10.0 if options.hours is None else options.hours, options.learned,
                            options.methods, options.development)
         found = _some(measure_all(measure_job, jobs, raw, *run), raw)
-        return {**change_scores(found), 'left_out': left_out}, change_blocks
+        return change_scores(found), change_blocks
     if name == 'suggestion':
         method = chosen_methods(options.methods)[0]
         jobs = suggestion.suggestion_jobs(
@@ -177,15 +175,16 @@ def _other(name, robot_path, options, raw, write):
         jobs = pushes.push_jobs(str(robot_path), options.cases or pushes.CASES, options.learned,
                                 options.methods, options.development)
         found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
-        return {**pushes.push_scores(found), 'left_out': left_out}, pushes.push_blocks
+        return pushes.push_scores(found), pushes.push_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods, tuple(options.rivals))
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)
+        left_out = [m for m in chosen_methods(options.methods) if FUNCTION.get(m) == KNOWN_LOAD]
         return {**real_scores(found), 'left_out': left_out}, real_blocks
     if name == 'cost':
         jobs = cost_jobs(options.robot, options.learned, options.methods)
         found = _some(measure_all(measure_cost, jobs, raw, *run, alone=True), raw)
-        left_out = [m for m in left_out if m in ON_FUNCTION]
+        left_out = [m for m in chosen_methods(options.methods) if m in ON_FUNCTION]
         return {**cost_scores(found), 'left_out': left_out}, cost_blocks
     if name == 'retraining':
         jobs = retraining_jobs(robot_path, plants_of(options.development), options.learned,

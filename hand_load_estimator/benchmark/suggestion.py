@@ -12,9 +12,9 @@ from ..plant import Plant
 from ..simulation.simulate_motions import named_motion
 from ..torque.model_follower import ModelFollower
 from .cases import draw_load, HEAVIEST, TEMPERATURES
-from .changes import robot_and_model
 from .contestants import DEFAULT
 from .document import Heading, Table, Text
+from .measure import robot_and_models
 from .scores import NORMAL_95
 from .suites import CASES_PER_PLANT
 
@@ -36,7 +36,7 @@ def measure_suggestion(robot_path, plant, seed, method, learned):
     arm was told to move until mass and place are right for good, or None; the farthest [rad] a
     joint went until then; how many motions were asked for.
     """
-    robot, model = robot_and_model(robot_path, plant)
+    robot, models = robot_and_models(robot_path, plant, ())
     rng = np.random.default_rng([seed, 14])
     load = draw_load(robot, rng, (LEAST_MASS, HEAVIEST))
     celsius = float(rng.uniform(*TEMPERATURES))
@@ -44,7 +44,7 @@ def measure_suggestion(robot_path, plant, seed, method, learned):
     motion = named_motion('pick_place', robot, 2.0 * LENGTH, 1.0, seed)
     out = {'plant': plant, 'mass': load.mass}
     for name in ('suggested', 'ordinary'):
-        pipeline = _pipeline(model, method, learned)
+        pipeline = _pipeline(models['ours'], method, learned)
         arm = Plant(robot, seed=plant, run=seed, start_temperature=celsius, load=load,
                     start_position=motion.position[0])
         wanted = _suggestions(pipeline) if name == 'suggested' else iter([_without_hold(motion)])
