@@ -70,6 +70,16 @@ def test_a_recording_is_judged_with_a_gain_that_has_not_seen_it():
     assert result.share == pytest.approx(1.0, abs=1e-9)
 
 
+def test_where_nothing_is_subtracted_the_residual_is_as_before():
+    """Learned from one recording all is right, from two all is wrong."""
+    def learn(rows):
+        sign = 1.0 if rows.sum() == 80 else -1.0
+        return lambda x: (sign * x[..., 0], np.zeros(x.shape[:2]))
+
+    result = left_out(by_hand(np.ones(240), np.repeat(np.arange(3), 80)), learn)
+    assert result.gain == 0.0 and result.share == 1.0
+
+
 @pytest.mark.parametrize('recordings, times', [(5, 5 + 10), (20, 20 + 20 * 4)])
 def test_leaving_out_twice_costs_no_square_of_the_recordings(recordings, times):
     learned = []

@@ -24,7 +24,8 @@ class LeftOut:
 
     gain [-]: the share of its mean, 0 to 1, that fits there; share [-]: the residual's
     low-frequency density less such a share of the mean, over the whole residual's, each recording
-    with a gain found without it; variance [scale^2]: mean variance about what the gain subtracts.
+    with a gain found without it, 1 where nothing is subtracted; variance [scale^2]: mean variance
+    about what the gain subtracts.
     """
 
     gain: np.ndarray
@@ -49,7 +50,8 @@ def left_out(data, learn):
         rest[out] = data.difference[out] - _gain(data, seen, ~out) * mean[out]
     before, after = (density(residual, data.worth, data.owner, data.dt)
                      for residual in (data.difference, rest))
-    return LeftOut(gain, after / np.maximum(before, 1e-12),
+    share = np.where(gain > 0.0, after / np.maximum(before, 1e-12), 1.0)
+    return LeftOut(gain, share,
                    (data.worth * unexplained(mean, variance, gain)).sum(axis=0)
                    / data.worth.sum(axis=0))
 
