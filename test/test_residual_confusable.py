@@ -49,7 +49,7 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
     links = np.array([robot.link_regressor(*qva) for qva in motions])
     acceleration = np.array([[a[0]] for _, _, a in motions])
-    residual = SimpleNamespace(columns=links)
+    residual = SimpleNamespace(columns=links, x=SimpleNamespace(warmth=np.zeros((50, robot.n))))
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
     assert separating_motion(residual, chosen, ()).startswith(NO_MOTION) == same
@@ -59,3 +59,20 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     # Another link is something else, and told from the rotor as ever.
     told = separating_motion(residual, chosen, ['link_inertia'])
     assert told.endswith(advice('rotor_inertia', ['link_inertia']))
+
+
+@pytest.mark.parametrize('warmth, told', [
+    ((12.0, 14.0), True), ((12.0, 20.0), False), ((-1.0, 1.0), False), ((-14.0, -13.0), True)])
+def test_at_one_temperature_friction_and_its_change_with_it_are_one(warmth, told):
+    """Parameters are stated at warmth 0: there it is surely the plain one, as if none was known."""
+    robot, part = ur10e(), Hypothesis('coulomb_friction', 1, {1: np.ones((50, 1))}, np.ones(1))
+    residual = SimpleNamespace(columns=np.zeros((50, robot.n, 60)), x=SimpleNamespace(
+        warmth=np.tile(np.linspace(*warmth, 50)[:, None], (1, robot.n))))
+    other = 'temperature_dependent_coulomb_friction'
+    chosen = Candidate('coulomb_friction', ((part, None),), 1.0, 1.0, np.ones(1))
+    found = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
+    assert found == ((Alternative(other, (robot.joints[1],), 0.0, 0.0),) if told else ())
+    assert separating_motion(residual, chosen, [a.name for a in found]) \
+        == advice('coulomb_friction', [other] if told else [])
+    assert not alternatives_of(robot, residual, Step(
+        Candidate('cable_drag', ((part, None),), 1.0, 1.0, np.ones(1)), (), None, 1.0))

@@ -7,6 +7,7 @@ import numpy as np
 from ..effects import EFFECTS, LINK_INERTIA
 from ..effects.knee import KNEE
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
+from .doubts.limits import LEAST_WARMING
 from .doubts.unknown import left_over
 from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
@@ -14,6 +15,10 @@ from .tracing.confusable import advice, NO_MOTION, same_torque
 from .tracing.shape_std import shape_std
 
 _MOST_PICTURES = 3
+# At one temperature, which parameters are not stated at, an effect is as its change with it.
+WITH_WARMTH = {'coulomb_friction': 'temperature_dependent_coulomb_friction',
+               'viscous_friction': 'temperature_dependent_viscous_friction',
+               'torque_scale': 'torque_scale_temperature'}
 # A model is worse at a joint where the error of recordings kept for the test grows by this factor.
 _WORSE = 1.02
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
@@ -75,10 +80,18 @@ def alternatives_of(robot, residual, step):
     """Return the Alternatives of a Step: what the recordings, or no motion, can tell from it."""
     found = [Alternative(other.name, _joints(robot, other), less.gain, less.std)
              for other in step.alternatives for less in [ahead(step.chosen, other)]]
-    if _is_first_link(residual, step.chosen):
-        # The same column: the choice did not ask for it, and no block could tell.
-        found.insert(0, Alternative(LINK_INERTIA.name, (robot.joints[0],), 0.0, 0.0))
-    return tuple(found)
+    # What is the same torque the choice did not ask for, and no block could tell.
+    same = [(LINK_INERTIA.name, (robot.joints[0],))] * _is_first_link(residual, step.chosen)
+    same += [(name, _joints(robot, step.chosen)) for name in _by_warmth(residual, step.chosen)]
+    return (*(Alternative(name, joints, 0.0, 0.0) for name, joints in same), *found)
+
+
+def _by_warmth(residual, chosen):
+    """Return the names of what a joint of one temperature shows alike: a change with it."""
+    warmth = residual.x.warmth[:, chosen.joints]
+    alike = (np.ptp(warmth, axis=0) < LEAST_WARMING) \
+        & (np.abs(warmth.mean(axis=0)) >= LEAST_WARMING)
+    return [WITH_WARMTH[chosen.name]] if chosen.name in WITH_WARMTH and alike.all() else []
 
 
 def refuted(findings, joints, before, after):
@@ -139,7 +152,7 @@ def separating_motion(residual, chosen, alternatives):
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
-    told = advice(chosen.name, alternatives)
+    told = advice(chosen.name, [*_by_warmth(residual, chosen), *alternatives])
     if not _is_first_link(residual, chosen):
         return told
     both = (f'{NO_MOTION} it from the inertia of the first link, which turns about the axis of '
