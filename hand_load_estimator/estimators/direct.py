@@ -15,20 +15,20 @@ from ..learning.direct_network import Judge, inputs_of
 from ..learning.network_memory import NetworkMemory
 from ..load import message_from_shape, products_jacobian_of_message
 from ..torque.columns import warmth_of
-from .bayes import Bayes
 from .information import message_covariance
 from .load_prior import load_prior
 from .method import Belief, check_origin, fitting, joined_state, part_of
-from .watching import Watching
+from .watched_by_bayes import WatchedByBayes
 
 # A doubt about products is one about place and inertia for loads of this share of the rated mass.
 LIGHT = 0.05
 
 
-class Direct(Watching):
+class Direct(WatchedByBayes):
     """Estimate the load with a DirectArtefact; the model may be any of the arm it is for."""
 
     def __init__(self, model, uncertainties, artefact):
+        super().__init__(model, uncertainties)
         design = artefact.network.design
         self.name = design.network
         self._robot = model.robot
@@ -40,17 +40,12 @@ class Direct(Watching):
         prior = load_prior(self._robot)
         self._prior = Belief(message_from_shape(prior.mean),
                              message_covariance(prior.mean, np.diag(prior.std ** 2)))
-        self._watcher = self._beside = Bayes(model, uncertainties)
         self._zero_doubt = np.zeros((10, 10))
         self._restart()
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
-        changes = self.changes
-        self._beside.update(sample, prediction)
-        if self.changes > changes:
-            self._restart()
-        if self._beside.refused:
+        if not self._counts(sample, prediction):
             return self._belief
         difference = prediction.difference - prediction.load_columns @ self.tared
         warmth = np.where(np.isfinite(sample.temperature),
@@ -61,22 +56,6 @@ class Direct(Watching):
         mean, std, self._state = self._judge(x[None, None], self._state)
         self._belief = self._published(mean[0, 0].double().numpy(), std[0, 0].double().numpy())
         return self._belief
-
-    def settle(self):
-        """Look for a load change."""
-        changes = self.changes
-        self._beside.settle()
-        if self.changes > changes:
-            self._restart()
-
-    def belief(self):
-        """Return the present Belief."""
-        return self._belief
-
-    def forget(self):
-        """Forget the load."""
-        self._beside.forget()
-        self._restart()
 
     def tare(self):
         """Make what is held now the new zero, as `bayes` beside sees it, and keep its doubt."""

@@ -23,29 +23,27 @@ import numpy as np
 
 from ..load import message_from_products, products_jacobian_of_message
 from ..torque.presliding import STUCK_TIME
-from .bayes import Bayes
 from .information import Information
 from .load_prior import load_prior
 from .method import Belief, fitting, joined_state, part_of
 from .positive_solve import positive_solve, unit
 from .regression import MOVING, SETTLING
-from .watching import Watching
+from .watched_by_bayes import WatchedByBayes
 from .weighting import joined_columns
 
 
-class LeastSquares(Watching):
+class LeastSquares(WatchedByBayes):
     """
     Estimate the load by least squares on the torque model.
 
-    A method `bayes` runs beside it for what a regression cannot tell: load changes, after which it
-    begins anew, contacts, whose samples it does not see, and mismatch.
+    `bayes` beside it tells what a regression cannot.
     """
 
     name = 'least_squares'
 
     def __init__(self, model, uncertainties):
+        super().__init__(model, uncertainties)
         robot = model.robot
-        self._watcher = self._beside = Bayes(model, uncertainties)
         self._residuals, self._weights = model.residuals, 1.0 / model.residuals.rmse ** 2
         self._gain_doubt = robot.effort.torque_constants_std
         self._size = robot.n, uncertainties
@@ -62,30 +60,10 @@ class LeastSquares(Watching):
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
-        changes = self.changes
-        self._beside.update(sample, prediction)
-        if self.changes > changes:
-            self._restart()
-        if not self._beside.refused and not self._shows_another_load(sample.stamp):
+        if self._counts(sample, prediction) and not self._shows_another_load(sample.stamp):
             self._take(sample, prediction)
             self._solve()
         return self._belief
-
-    def settle(self):
-        """Look for a load change."""
-        changes = self.changes
-        self._beside.settle()
-        if self.changes > changes:
-            self._restart()
-
-    def belief(self):
-        """Return the present Belief."""
-        return self._belief
-
-    def forget(self):
-        """Forget the load."""
-        self._beside.forget()
-        self._restart()
 
     def tare(self):
         """Declare the load held now zero; its uncertainty stays in every later estimate."""
