@@ -49,7 +49,8 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
     links = np.array([robot.link_regressor(*qva) for qva in motions])
     acceleration = np.array([[a[0]] for _, _, a in motions])
-    residual = SimpleNamespace(columns=links, x=SimpleNamespace(warmth=np.zeros((50, robot.n))))
+    cold = SimpleNamespace(warmth=np.zeros((50, robot.n)))
+    residual = SimpleNamespace(columns=links, x=cold)
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
     assert separating_motion(residual, chosen, ()).startswith(NO_MOTION) == same

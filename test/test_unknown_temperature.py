@@ -1,6 +1,7 @@
 """Recordings without temperatures: friction as of another one is no effect of unknown kind."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 from residual_helpers import declared_model, on, recorded
@@ -10,7 +11,7 @@ from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding,
 from hand_load_estimator.residual.doubts.limits import warmed_joints
 from hand_load_estimator.residual.doubts.odd_recording import odd_recordings
 from hand_load_estimator.residual.doubts.unknown_temperature import (
-    lacks_temperature, within_unknown_temperature, without_unknown_temperature)
+    lacks_temperature, without_unknown_temperature)
 
 JOINTS = declared_model().robot.joints
 
@@ -51,12 +52,20 @@ def test_what_is_more_than_friction_of_another_temperature_stays_unknown():
 
 
 def test_only_what_is_suspected_and_within_is_taken_out():
-    findings = (unknown(JOINTS[:2]), unknown(JOINTS[2:3]), unknown(JOINTS[3:], CONFIRMED))
-    kept, (told,) = without_unknown_temperature(findings, JOINTS,
-                                                np.array([True, False, True, True]))
-    assert [f.joints for f in kept] == [JOINTS[1:2], JOINTS[3:]]
-    assert f'{JOINTS[0]}, {JOINTS[2]} because' in told
-    same, told = without_unknown_temperature(findings, JOINTS, np.zeros(4, bool))
+    robot, rows = declared_model().robot, 100
+    residual = SimpleNamespace(moving=np.ones((rows, 4), bool), dt=np.full(rows, 0.02))
+    rest = np.ones((rows, 4)) * [9.0, 2.0, 3.0, 4.0]
+    findings = (unknown(JOINTS[:3]), unknown(JOINTS[2:3]), unknown(JOINTS[3:], CONFIRMED))
+    within = np.array([True, False, False, True])
+    kept, (told,) = without_unknown_temperature(findings, robot, within, residual, rest)
+    assert [f.joints for f in kept] == [JOINTS[1:3], JOINTS[2:3], JOINTS[3:]]
+    assert f'at {JOINTS[0]} because' in told
+    # What is told and drawn is of the joints that stay.
+    assert kept[0].evidence.rms == 3.0 and kept[0].pictures[0].joint == JOINTS[2]
+    assert kept[1:] == findings[1:]
+    kept, _ = without_unknown_temperature(findings, robot, np.ones(4, bool), residual, rest)
+    assert kept == findings[2:]
+    same, told = without_unknown_temperature(findings, robot, np.zeros(4, bool), residual, rest)
     assert same == findings and not told
 
 

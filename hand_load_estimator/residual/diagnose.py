@@ -68,12 +68,13 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
               *_unfinished(ex.trace),
               *repeated(ex.residual.cut, ex.evidence, ex.test),
-              *odd_recordings(model, (*ex.evidence, *test), lambda parts: _sliding(ex.better, parts)),
+              *odd_recordings(model, (*ex.evidence, *test),
+                              lambda parts: _sliding(ex.better, parts)),
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]
     findings += mostly_structure(model.robot, ex.residual, ex.rest, findings, structure,
                                  ex.trace.trials)
     warm = within_unknown_temperature(model, ex.evidence, ex.residual, ex.rest)
-    findings, why = without_unknown_temperature(findings, model.robot.joints, warm)
+    findings, why = without_unknown_temperature(findings, model.robot, warm, ex.residual, ex.rest)
     correction = offered(ex.better, findings, ex.evidence,
                          lambda m: (_errors(ex.old, m, ex.test)[1], _sliding(m, ex.test)))
     return with_correction(Diagnosis(
@@ -83,8 +84,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         seconds=time.monotonic() - began,
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
-        another_state=bool(state), stated=np.hypot(
-            model.residuals.rmse, np.where(warm, ex.residual.expected, 0.0))), correction), ex.better
+        another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
+            warm, ex.residual.expected, 0.0))), correction), ex.better
 
 
 def _of_recordings(robot, evidence, test, ex):

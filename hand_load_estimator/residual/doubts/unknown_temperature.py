@@ -7,13 +7,17 @@ import numpy as np
 from ...effects import NEEDS_TEMPERATURE
 from ..diagnosis import SUSPECTED, UNKNOWN
 from ..tracing.trace import UNEXPECTED
-from .unknown import rms_of
+from .unknown import rms_of, strongest
+
+
+# A recording lacks a joint's temperature where it is not known for more than this share of it.
+LACKING = 0.1
 
 
 def lacks_temperature(model, evidence):
     """Tell of which joints (n,) friction depends on a temperature that Evidence does not have."""
     depends = {use.joint for use in model.uses if use.name in NEEDS_TEMPERATURE}
-    return np.isnan(evidence.motion.temperature).any(axis=0) \
+    return (np.isnan(evidence.motion.temperature).mean(axis=0) > LACKING) \
         & np.isin(np.arange(model.robot.n), list(depends))
 
 
@@ -29,19 +33,30 @@ def within_unknown_temperature(model, evidence, residual, rest):
     return lacks & (left < UNEXPECTED * residual.expected)
 
 
-def without_unknown_temperature(findings, joints, within):
+def without_unknown_temperature(findings, robot, within, residual, rest):
     """
     Return (Findings, sentences): suspected `unknown` effects only where they are more than that.
 
-    joints: names (n,); within (n,) bool: as of within_unknown_temperature.
+    within (n,) bool: as of within_unknown_temperature; residual, rest: as there.
     """
-    may, kept, told = {name for name, w in zip(joints, within) if w}, [], []
+    kept, told = [], []
     for finding in findings:
         if finding.name == UNKNOWN and finding.verdict == SUSPECTED:
-            told += [name for name in finding.joints if name in may]
-            finding = replace(finding, joints=tuple(n for n in finding.joints if n not in may))
-        if finding.joints:
-            kept.append(finding)
+            joints = [robot.joints.index(name) for name in finding.joints]
+            more = [j for j in joints if not within[j]]
+            told += [robot.joints[j] for j in joints if within[j]]
+            finding = finding if more == joints else _of(finding, robot, more, residual, rest)
+        kept += [finding] if finding else []
     return tuple(kept), [
         f'cannot tell whether there is anything unknown at {", ".join(told)} because without '
         'temperatures what is left there may be friction as of another one'] if told else []
+
+
+def _of(finding, robot, joints, residual, rest):
+    """Return a Finding of some of its joints (indices) only, None of none."""
+    if not joints:
+        return None
+    rms = rms_of(rest, residual.moving)[joints]
+    return replace(finding, joints=tuple(robot.joints[j] for j in joints),
+                   evidence=replace(finding.evidence, rms=float(rms.max())),
+                   pictures=(strongest(robot, residual, rest, joints[int(rms.argmax())]),))
