@@ -65,7 +65,7 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
 @pytest.mark.parametrize('warmth, told', [
     ((12.0, 14.0), True), ((12.0, 20.0), False), ((-1.0, 1.0), False), ((-14.0, -13.0), True)])
 def test_at_one_temperature_friction_and_its_change_with_it_are_one(warmth, told):
-    """Parameters are stated at warmth 0: there it is surely the plain one, as if none was known."""
+    """Parameters are stated at warmth 0: there it is the plain one, as where none is known."""
     robot, part = ur10e(), Hypothesis('coulomb_friction', 1, {1: np.ones((50, 1))}, np.ones(1))
     residual = SimpleNamespace(columns=np.zeros((50, robot.n, 60)), x=SimpleNamespace(
         warmth=np.tile(np.linspace(*warmth, 50)[:, None], (1, robot.n))))
