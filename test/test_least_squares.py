@@ -15,10 +15,12 @@ from hand_load_estimator.estimators.build import build_method, build_pipeline, d
 from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.load import message_from_shape, products_from_message
 from hand_load_estimator.recording import RecordingWriter
 from hand_load_estimator.torque.model_file import write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.presliding import STUCK_TIME
 
 LOAD = block(2.0)
 
@@ -168,9 +170,45 @@ def test_reset_and_tare(model):
     np.testing.assert_allclose(pipeline.method.tared, products_from_message(held.mean), rtol=1e-6)
 
 
-def test_a_changed_load_is_found_anew(model):
+def test_the_covariance_is_the_sum_over_samples_of_what_is_stated():
+    """Written out: noise, friction that lasts, and directions, of every pair of samples."""
+    model = exact_model('four', doubt=0.05)
     pipeline = pipeline_of(model)
-    found = feed(pipeline, messages(model, block(0.5), 6.0, seed=3, change=(3.0, block(3.0))))
+    seen = spied(pipeline)
+    feed(pipeline, messages(model, LOAD, 0.8))
+    method, n = pipeline.method, 4
+    dt = np.array([s.dt for s, _ in seen])
+    weighted = np.array([(p.load_columns / model.residuals.rmse[:, None] ** 2)
+                         * (np.abs(s.v) >= 0.02)[:, None] for s, p in seen])
+    rmse = np.array([model.residuals.load_intensity / s.dt + p.noise for s, p in seen])
+    friction = np.array([np.sqrt(model.residuals.load_share * p.stuck) for _, p in seen])
+    age = np.abs(np.cumsum(dt)[:, None] - np.cumsum(dt))
+    lasts = np.einsum('tj,sj,ts->tsj', friction, friction, np.exp(-age / STUCK_TIME))
+    errors = np.einsum('tji,tj,tjk->ik', weighted, rmse, weighted) \
+        + np.einsum('tji,tsj,sjk->ik', weighted, lasts, weighted)
+    through = sum(w.T @ joined_columns(p)[:, 10:] for w, (_, p) in zip(weighted, seen))
+    mean, covariance = load_prior(model.robot).products
+    before = np.linalg.inv(covariance)
+    told = sum(w.T @ p.load_columns for w, (_, p) in zip(weighted, seen))
+    spread = np.linalg.inv(told + before)
+    # More than stated is told of the model now: the factor counts.
+    model_errors = method.factor * (errors + through @ through.T)
+    wanted = spread @ (before + model_errors) @ spread
+    scale = np.sqrt(np.diag(wanted))
+    np.testing.assert_allclose(method._covariance / np.outer(scale, scale),
+                               wanted / np.outer(scale, scale), atol=1e-6)
+    assert (spread @ np.einsum('tji,tsj,sjk->ik', weighted, lasts, weighted) @ spread)[0, 0] \
+        > 0.05 * wanted[0, 0]
+
+
+@pytest.mark.parametrize('settle', [False, True])
+def test_a_changed_load_is_found_anew(model, settle):
+    """Also where it is seen between samples, as a node looks for it."""
+    pipeline, found = pipeline_of(model), []
+    for message in messages(model, block(0.5), 6.0, seed=3, change=(3.0, block(3.0))):
+        found += feed(pipeline, [message])
+        if settle:
+            pipeline.settle()
     assert pipeline.load_id == 1 and within(found[-1], block(3.0))
 
 

@@ -52,10 +52,10 @@ def test_recordings_are_known_by_their_content_not_their_folders_name():
             for k, run in enumerate(recorded()[:3])]
     left = [0.1, 9.0, 0.1]
     (said,) = odd_recordings(declared_model(), runs,
-                             lambda parts: np.full(4, left[int(parts[0].messages[0])]))
+                             lambda parts: np.full(4, left[int(parts[0].messages[0])]), None)
     assert 'is off by 9 Nm there and by 0.1 Nm' in said
 
 
 def test_one_recording_has_none_to_agree_with():
     assert odd_recordings(
-        declared_model(), recorded(on(1, 9.0, viscous))[:1], lambda parts: np.ones(4)) == []
+        declared_model(), recorded(on(1, 9.0, viscous))[:1], lambda parts: np.ones(4), None) == []

@@ -79,6 +79,16 @@ def test_temperatures_tell_when_they_change(celsius, warmed, words):
         == ([True] if words else [])
 
 
+def test_a_recording_without_temperatures_is_named_where_others_tell_of_them():
+    model, runs = declared_model(), recorded()
+    blind = moving(runs[0], temperature=np.nan)
+    _, (said,) = warmed_joints(model, [blind, *runs[1:]])
+    assert 'what of run 0 is of temperature' in said
+    # Others of one temperature tell nothing of what depends on it.
+    _, (said,) = warmed_joints(model, [blind, runs[2], replace(runs[2], name='again')])
+    assert 'differ by only 0.0 K' in said
+
+
 def test_a_joint_that_does_not_warm_is_named():
     model = declared_model()
     evidence = [moving(e, 1, temperature=25.0) for e in recorded()]

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from residual_helpers import declared_model, on, recorded
 
 from hand_load_estimator.residual.diagnose import diagnose
@@ -85,11 +86,29 @@ def test_one_recording_without_temperatures_is_told_and_not_odd():
     assert told == ['cannot tell what of run 1 is of temperature because none was recorded there; '
                     'the other recordings say what depends on it']
 
-    def left_by(parts):
-        return np.full(4, 20.0 if parts[0] is runs[1] else 1.0)
+    def odd(left, expected):
+        return odd_recordings(model, runs, lambda parts: np.full(
+            4, left if parts[0] is runs[1] else 1.0), lambda parts: np.full(4, expected))
 
-    assert odd_recordings(model, runs, left_by) == []
-    assert odd_recordings(model, recorded()[:1] + runs[1:2] + recorded()[2:], left_by) == []
-    known = recorded()
-    assert len(odd_recordings(model, known, lambda parts: np.full(
-        4, 20.0 if parts[0] is known[1] else 1.0))) == 1
+    assert odd(20.0, 7.0) == []
+    # More than friction as of any temperature is another arm's all the same.
+    (said,) = odd(20.0, 6.0)
+    assert 'whether run 1 is of the same arm' in said
+
+
+@pytest.mark.parametrize('celsius', [(40.0, 40.0), (5.0, 45.0)])
+def test_a_first_reading_that_comes_late_leaves_no_recording_without_temperatures(celsius):
+    """A topic of 1 Hz begins after the joint states; what was not known counts as 0."""
+    runs = recorded(on(1, 5.0, lambda run: run.x.z), celsius=celsius)
+    late = []
+    for run in runs:
+        temperature = run.motion.temperature.copy()
+        temperature[:25] = np.nan
+        late.append(replace(run, motion=replace(run.motion, temperature=temperature)))
+    assert not any(lacks_temperature(declared_model(), run).any() for run in late)
+    for given in (runs, late):
+        (found,) = diagnose(declared_model(), given)[0].findings
+        others = [other.name for other in found.alternatives]
+        assert found.name == 'coulomb_friction'
+        assert ('temperature_dependent_coulomb_friction' in others) == (celsius[0] == celsius[1])
+        assert ('cold and warm' in found.advice) == (celsius[0] == celsius[1])

@@ -27,7 +27,8 @@ class DifferenceFunction:
     Mean and variance of the no-load torque difference of a DifferenceArtefact, as it is used.
 
     doubt: the standard deviation about what was subtracted at the last sample, over the one it
-    usually had on recordings left out, of the joint with the largest (E6.4); 0 before any sample.
+    usually had on recordings left out, of the joint with the largest, of those where
+    something is subtracted (E6.4); 0 before any sample.
     """
 
     def __init__(self, model, artefact):
@@ -54,7 +55,8 @@ class DifferenceFunction:
         """Return the Prediction with dtau for its difference and the function's doubt."""
         mean, variance = self.mean_and_variance(sample.q, sample.v, sample.a, sample.temperature)
         usual = self._expected * self._artefact.scale ** 2
-        self.doubt = float(np.sqrt((variance / usual).max()))
+        used = self._artefact.gain > 0.0
+        self.doubt = float(np.sqrt((variance / usual)[used].max(initial=0.0)))
         # Recordings left out have shown the error of places like theirs already.
         surplus = np.maximum(variance - usual, 0.0)
         return replace(prediction, difference=prediction.difference - mean,

@@ -46,7 +46,7 @@ class LeastSquares(WatchedByBayes):
         robot = model.robot
         self._residuals, self._weights = model.residuals, 1.0 / model.residuals.rmse ** 2
         self._gain_doubt = robot.effort.torque_constants_std
-        self._size = robot.n, uncertainties
+        self._size = robot.n if self._gain_doubt > 0.0 else 0, uncertainties
         prior, covariance = load_prior(robot).products
         self._precision = np.linalg.inv(covariance)
         self._from_prior = self._precision @ prior
@@ -94,7 +94,7 @@ class LeastSquares(WatchedByBayes):
     def _go_on(self, sums, errors):
         self._sums, self._errors = sums, errors
         # What unknown friction of each joint has left in the estimate as long as it lasts.
-        self._lasting = np.zeros((self._size[0], 10))
+        self._lasting = np.zeros((len(self._weights), 10))
         self._solve()
 
     def _shows_another_load(self, stamp):

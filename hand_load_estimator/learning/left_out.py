@@ -3,7 +3,8 @@ How a learned torque difference does on recordings it has not seen, and how much
 
 A function that fits its own recordings may still be wrong on the next day's, joint by joint. What
 is subtracted is therefore a share of its mean, the gain, that fits recordings left out; and what
-that is worth is judged on recordings that neither the functions nor the gain have seen.
+that is worth is judged on recordings that neither the functions nor the gain have seen. (What is
+learned of all recordings once, a process's kernel or a neural process's networks, has.)
 """
 
 from dataclasses import dataclass

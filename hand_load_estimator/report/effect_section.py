@@ -152,7 +152,7 @@ def _other_html(other, finding):
     text = f'<strong>{escape(name_words(other.name))}</strong>'
     if set(other.joints) != set(finding.joints):
         text += f' of {list_text(map(label_html, other.joints))}'
-    if not math.isfinite(other.std):
+    if not math.isfinite(other.std) or other.std == 0.0:
         return text
     return f'{text} ({behind_text(other.behind, other.std)})'
 

@@ -41,9 +41,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     """
     Return (Diagnosis, better TorqueModel) of a TorqueModel and Evidence (evidence.prepare).
 
-    test: Evidence that is used for nothing but the errors before and after; without any, the
-    last quarter of every recording. Raises RecordingError where nothing can be told, and for
-    recordings given twice.
+    test: Evidence that is used for nothing but the errors before and after, and to say whether it
+    is of the same arm; without any, the last quarter of every recording. Raises RecordingError
+    where nothing can be told, and for recordings given twice.
     """
     began = time.monotonic()
     refuse_repeats(evidence, test)
@@ -69,7 +69,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *_unfinished(ex.trace),
               *repeated(ex.residual.cut, ex.evidence, ex.test),
               *odd_recordings(model, (*ex.evidence, *test),
-                              lambda parts: _sliding(ex.better, parts)),
+                              lambda parts: _sliding(ex.better, parts),
+                              lambda parts: find_residual(model, parts, cut=False).expected),
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]
     findings += mostly_structure(model.robot, ex.residual, ex.rest, findings, structure,
                                  ex.trace.trials)

@@ -88,10 +88,11 @@ def alternatives_of(robot, residual, step):
 
 def _by_warmth(residual, chosen):
     """Return the names of what a joint of one temperature shows alike: a change with it."""
-    warmth = residual.x.warmth[:, chosen.joints]
-    alike = (np.ptp(warmth, axis=0) < LEAST_WARMING) \
-        & (np.abs(warmth.mean(axis=0)) >= LEAST_WARMING)
-    return [WITH_WARMTH[chosen.name]] if chosen.name in WITH_WARMTH and alike.all() else []
+    # Where it is not known it counts as 0.
+    known = [column[column != 0.0] for column in residual.x.warmth[:, chosen.joints].T]
+    alike = all(len(column) and np.ptp(column) < LEAST_WARMING
+                and abs(column.mean()) >= LEAST_WARMING for column in known)
+    return [WITH_WARMTH[chosen.name]] if chosen.name in WITH_WARMTH and alike else []
 
 
 def refuted(findings, joints, before, after):

@@ -39,15 +39,14 @@ def warmed_joints(model, evidence):
         modelled = any(use.name in NEEDS_TEMPERATURE for use in model.uses)
         return (), ['cannot tell effects of temperature because none was recorded'
                     + '; friction as of another temperature counts as expected' * modelled]
-    told = _without_temperature(evidence)
     spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
     warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
     if not warmed:
-        return (), [*told, 'cannot tell effects of temperature because the joints differ by only '
+        return (), [f'cannot tell effects of temperature because the joints differ by only '
                     f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
     why = [f'it differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed' if len(column)
            else 'none was recorded' for span, column in zip(spans, known)]
-    return warmed, [*told, *(
+    return warmed, [*_without_temperature(evidence), *(
         f'cannot tell effects of temperature of {model.robot.joints[j]} because {why[j]}'
         for j in range(model.robot.n) if j not in warmed)]
 

@@ -10,14 +10,10 @@ from ..tracing.trace import UNEXPECTED
 from .unknown import rms_of, strongest
 
 
-# A recording lacks a joint's temperature where it is not known for more than this share of it.
-LACKING = 0.1
-
-
 def lacks_temperature(model, evidence):
-    """Tell of which joints (n,) friction depends on a temperature that Evidence does not have."""
+    """Tell of which joints (n,) friction depends on a temperature that Evidence never has."""
     depends = {use.joint for use in model.uses if use.name in NEEDS_TEMPERATURE}
-    return (np.isnan(evidence.motion.temperature).mean(axis=0) > LACKING) \
+    return ~np.isfinite(evidence.motion.temperature).any(axis=0) \
         & np.isin(np.arange(model.robot.n), list(depends))
 
 
