@@ -107,15 +107,15 @@ def test_a_new_network_does_nothing(model, shard):
     assert (plain[1] > 0.0).all() and plain[0].shape == (4, len(JUDGED), 10)
 
 
-@pytest.mark.parametrize('kind', DIVERGENCES)
-def test_divergence_is_least_for_the_right_answer(kind):
+@pytest.mark.parametrize('kind, more', [('kl', 0.1), ('jensen_shannon', 0.08)])
+def test_divergence_is_least_for_the_right_answer(kind, more):
     load = torch.tensor(block(2.0).to_message())[None]
     mean, width = load[:, None].clone(), torch.tensor(LABEL_STD, dtype=torch.float64)
     best = divergence(mean, (width ** 2)[None, None], load, kind)
     for worse in (divergence(mean + width, (width ** 2)[None, None], load, kind),
                   divergence(mean, 4.0 * (width ** 2)[None, None], load, kind),
                   divergence(mean, 0.25 * (width ** 2)[None, None], load, kind)):
-        assert (worse > best + 0.08).all()
+        assert (worse > best + more).all()
 
 
 @pytest.mark.parametrize('mean, std, truth, width', [

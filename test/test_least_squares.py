@@ -13,6 +13,7 @@ from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method, build_pipeline, determined_std
 from hand_load_estimator.estimators.contact_gate import ContactGate
+from hand_load_estimator.estimators.least_squares import LeastSquares
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.weighting import joined_columns
@@ -170,35 +171,35 @@ def test_reset_and_tare(model):
     np.testing.assert_allclose(pipeline.method.tared, products_from_message(held.mean), rtol=1e-6)
 
 
-def test_the_covariance_is_the_sum_over_samples_of_what_is_stated():
+def test_the_covariance_is_the_sum_over_samples_of_what_is_stated(monkeypatch):
     """Written out: noise, friction that lasts, and directions, of every pair of samples."""
+    monkeypatch.setattr(LeastSquares, 'factor', 2.5)
     model = exact_model('four', doubt=0.05)
     pipeline = pipeline_of(model)
-    seen = spied(pipeline)
+    seen, method = spied(pipeline), pipeline.method
+    update, noisier = method.update, 3.0 * model.residuals.rmse ** 2
+    method.update = lambda sample, prediction: update(sample, replace(prediction, noise=noisier))
     feed(pipeline, messages(model, LOAD, 0.8))
-    method, n = pipeline.method, 4
     dt = np.array([s.dt for s, _ in seen])
     weighted = np.array([(p.load_columns / model.residuals.rmse[:, None] ** 2)
                          * (np.abs(s.v) >= 0.02)[:, None] for s, p in seen])
-    rmse = np.array([model.residuals.load_intensity / s.dt + p.noise for s, p in seen])
+    noise = np.array([model.residuals.load_intensity / s.dt + p.noise for s, p in seen])
     friction = np.array([np.sqrt(model.residuals.load_share * p.stuck) for _, p in seen])
     age = np.abs(np.cumsum(dt)[:, None] - np.cumsum(dt))
     lasts = np.einsum('tj,sj,ts->tsj', friction, friction, np.exp(-age / STUCK_TIME))
-    errors = np.einsum('tji,tj,tjk->ik', weighted, rmse, weighted) \
-        + np.einsum('tji,tsj,sjk->ik', weighted, lasts, weighted)
+    lasting = np.einsum('tji,tsj,sjk->ik', weighted, lasts, weighted)
+    errors = np.einsum('tji,tj,tjk->ik', weighted, noise, weighted) + lasting
     through = sum(w.T @ joined_columns(p)[:, 10:] for w, (_, p) in zip(weighted, seen))
-    mean, covariance = load_prior(model.robot).products
-    before = np.linalg.inv(covariance)
+    before = np.linalg.inv(load_prior(model.robot).products[1])
     told = sum(w.T @ p.load_columns for w, (_, p) in zip(weighted, seen))
     spread = np.linalg.inv(told + before)
-    # More than stated is told of the model now: the factor counts.
-    model_errors = method.factor * (errors + through @ through.T)
-    wanted = spread @ (before + model_errors) @ spread
+    wanted = spread @ (before + 2.5 * (errors + through @ through.T)) @ spread
     scale = np.sqrt(np.diag(wanted))
     np.testing.assert_allclose(method._covariance / np.outer(scale, scale),
                                wanted / np.outer(scale, scale), atol=1e-6)
-    assert (spread @ np.einsum('tji,tsj,sjk->ik', weighted, lasts, weighted) @ spread)[0, 0] \
-        > 0.05 * wanted[0, 0]
+    # Each is a thousand times what is let pass above.
+    for part in (errors - lasting, lasting, through @ through.T):
+        assert (spread @ part @ spread)[0, 0] > 1e-3 * wanted[0, 0]
 
 
 @pytest.mark.parametrize('settle', [False, True])

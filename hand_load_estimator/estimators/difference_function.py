@@ -33,6 +33,7 @@ class DifferenceFunction:
 
     def __init__(self, model, artefact):
         self._robot, self._artefact = model.robot, artefact
+        self._used = artefact.gain > 0.0
         share = np.clip(artefact.share, LEAST_SHARE, None)
         self._gained = (1.0 - share) * model.residuals.load_intensity
         self._expected = artefact.left_out_variance
@@ -55,8 +56,7 @@ class DifferenceFunction:
         """Return the Prediction with dtau for its difference and the function's doubt."""
         mean, variance = self.mean_and_variance(sample.q, sample.v, sample.a, sample.temperature)
         usual = self._expected * self._artefact.scale ** 2
-        used = self._artefact.gain > 0.0
-        self.doubt = float(np.sqrt((variance / usual)[used].max(initial=0.0)))
+        self.doubt = float(np.sqrt((variance / usual)[self._used].max(initial=0.0)))
         # Recordings left out have shown the error of places like theirs already.
         surplus = np.maximum(variance - usual, 0.0)
         return replace(prediction, difference=prediction.difference - mean,

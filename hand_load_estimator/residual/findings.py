@@ -16,9 +16,9 @@ from .tracing.shape_std import shape_std
 
 _MOST_PICTURES = 3
 # At one temperature, which parameters are not stated at, an effect is as its change with it.
-WITH_WARMTH = {'coulomb_friction': 'temperature_dependent_coulomb_friction',
-               'viscous_friction': 'temperature_dependent_viscous_friction',
-               'torque_scale': 'torque_scale_temperature'}
+_WITH_WARMTH = {'coulomb_friction': 'temperature_dependent_coulomb_friction',
+                'viscous_friction': 'temperature_dependent_viscous_friction',
+                'torque_scale': 'torque_scale_temperature'}
 # A model is worse at a joint where the error of recordings kept for the test grows by this factor.
 _WORSE = 1.02
 _DRAWS = 400  # for the spread of parameters that are functions of the fitted ones
@@ -92,7 +92,7 @@ def _by_warmth(residual, chosen):
     known = [column[column != 0.0] for column in residual.x.warmth[:, chosen.joints].T]
     alike = all(len(column) and np.ptp(column) < LEAST_WARMING
                 and abs(column.mean()) >= LEAST_WARMING for column in known)
-    return [WITH_WARMTH[chosen.name]] if chosen.name in WITH_WARMTH and alike else []
+    return [_WITH_WARMTH[chosen.name]] if chosen.name in _WITH_WARMTH and alike else []
 
 
 def refuted(findings, joints, before, after):
