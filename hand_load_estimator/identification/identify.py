@@ -17,7 +17,8 @@ from ..torque_model import Residuals, TorqueModel
 from .knee_fit import with_knees_fitted
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
-from .residual_noise import density, drift_of, known_joints, rmse_of, with_usual_drift
+from .residual_noise import (density, density_left_out, drift_of, known_joints, rmse_of,
+                             with_usual_drift)
 from .shape_search import search_shapes
 
 # How far a link's published mass, and its first and second moments, may be off.
@@ -100,17 +101,18 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
     uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
-    left_out = held_out(system, mean, covariance, weights)
-    intensity = density(left_out.residual, weights, system.owner, system.dt)
+    intensity = density_left_out(intensity, system,
+                                 held_out(system, mean, covariance, weights), weights)
     stated = system.weights(intensity, friction)
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
+    left_out = held_out(system, mean, covariance, stated)
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt)
                           & system.tells, system.dt, system.owner)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
-    drift = drift_of(system, left_out.residual, weights)
+    drift = drift_of(system, left_out, stated)
     # What no recording shows is no part of what loads found in them suffer from.
-    share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
+    share = share_left_out(system, left_out, stated, drift)
     moved, told = moved_joints(evidence), known_joints(evidence)
     residuals = Residuals(rmse_of(unjudged, system, left_out.residual, moved), intensity,
                           with_usual_drift(unjudged, system, drift, told), sliding, share, ~moved)

@@ -9,8 +9,8 @@ from ..identification.identify import prior
 from ..identification.knee_fit import with_knees_fitted
 from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
-from ..identification.residual_noise import (density, drift_of, known_joints, rmse_of,
-                                             with_usual_drift)
+from ..identification.residual_noise import (density, density_left_out, drift_of, known_joints,
+                                             rmse_of, with_usual_drift)
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
@@ -185,7 +185,8 @@ def _identified(model, declared, before, evidence, own):
         unjudged = TorqueModel(robot, uses, links, x, posterior, None)
         friction = unjudged.held_friction()
         left_out = held_out(system, mean, covariance, weights)
-        intensity = density(left_out.residual, weights, system.owner, system.dt)
+        inside = density(system.residual(x), weights, system.owner, system.dt)
+        intensity = density_left_out(inside, system, left_out, weights)
         if not own:
             # New recordings need not show all that the old ones did.
             intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
@@ -215,7 +216,7 @@ def _residuals(model, old, fit, evidence, own):
     (system, left_out, weights), moved = fit, moved_joints(evidence)
     rmse = rmse_of(model, system, left_out.residual, moved)
     if own:
-        drift, told = drift_of(system, left_out.residual, weights), known_joints(evidence)
+        drift, told = drift_of(system, left_out, weights), known_joints(evidence)
         return drift, replace(old, rmse=rmse, sliding=None, unmoved=~moved,
                               drift=with_usual_drift(model, system, drift, told))
     # New recordings need not show all that the old ones did.
