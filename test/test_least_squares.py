@@ -179,7 +179,7 @@ def test_the_covariance_is_the_sum_over_samples_of_what_is_stated(monkeypatch):
     seen, method = spied(pipeline), pipeline.method
     update, noisier = method.update, 3.0 * model.residuals.rmse ** 2
     method.update = lambda sample, prediction: update(sample, replace(prediction, noise=noisier))
-    feed(pipeline, messages(model, LOAD, 0.8))
+    feed(pipeline, messages(model, LOAD, 1.4))
     dt = np.array([s.dt for s, _ in seen])
     weighted = np.array([(p.load_columns / model.residuals.rmse[:, None] ** 2)
                          * (np.abs(s.v) >= 0.02)[:, None] for s, p in seen])
