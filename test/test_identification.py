@@ -339,3 +339,28 @@ def test_temperature_and_counts_come_from_the_recording(folder):
     motion, rejected = motion_of(four_axes(), read_recording(folder / 'empty'))
     assert not rejected and (motion.temperature == 25.0).all()
     assert 550 < len(motion.stamp) < 620
+
+
+def remade(robot, made):
+    """Return the TorqueModel that `diagnose` makes of the recordings of an identified one."""
+    return identified_again(identify(robot, made.evidence, NAMES), made.uses, made.evidence,
+                            set(), set())
+
+
+@pytest.mark.parametrize('recordings, seconds', [(2, 10.0), (4, 10.0), (4, 30.0)])
+def test_the_density_is_that_of_the_noise_however_little_is_recorded(recordings, seconds):
+    """Of two, each of its own temperature, one foretells the other 3 to 170 times worse."""
+    robot = four_axes()
+    made = Made(robot, recordings=recordings, seconds=seconds)
+    for model in (identify(robot, made.evidence, NAMES), remade(robot, made)):
+        ratio = model.residuals.intensity / made.density
+        assert (ratio > 0.8).all() and (ratio < 1.45).all()
+
+
+def test_what_recordings_left_out_show_is_stated(monkeypatch):
+    robot, shown = four_axes(), np.array([4.0, 3.0, 2.0, 1.0])
+    made = Made(robot, recordings=2, seconds=10.0)
+    for module in ('identification.identify', 'residual.add'):
+        monkeypatch.setattr(f'hand_load_estimator.{module}.density_left_out', lambda *_: shown)
+    np.testing.assert_array_equal(identify(robot, made.evidence, NAMES).residuals.intensity, shown)
+    np.testing.assert_array_equal(remade(robot, made).residuals.intensity, shown)

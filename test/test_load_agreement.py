@@ -1,18 +1,14 @@
 """The share of stated variances an estimate of the load suffers from, on data made for it."""
 
-from core_helpers import effect_uses, four_axes, true_parameters
-from effect_helpers import waves
+from left_out_helpers import DENSITY, DT, JOINTS, noise, parameters, system_of
 import numpy as np
 import pytest
 
 from hand_load_estimator.identification import load_agreement
-from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.identification.load_agreement import (LeftOut, share_left_out, share_of,
                                                                slices_of, Window)
-from hand_load_estimator.identification.regression_system import System
 
-N, JOINTS, DT = 250, 4, 0.02
-DENSITY = np.array([0.04, 0.02, 0.01, 0.01])
+N = 250
 DRIFT = np.full((JOINTS, 3), 1e-3)
 
 
@@ -78,17 +74,7 @@ def test_windows_lie_within_parts_and_leave_rests_out():
 @pytest.fixture(scope='module')
 def system():
     """Return the System of four recordings of a minute each."""
-    robot, rng = four_axes(), np.random.default_rng(7)
-    uses, motions = effect_uses(robot), [waves(robot, rng, 60.0, 25.0) for _ in range(4)]
-    return System(robot, uses, [Evidence(f'run {k}', motion, np.zeros_like(motion.q))
-                                for k, motion in enumerate(motions)],
-                  true_parameters(robot, uses))
-
-
-def noise(system, factor=1.0):
-    """Return a residual (N, n) with `factor` times the variance that DENSITY states."""
-    rng = np.random.default_rng(11)
-    return rng.normal(size=system.torque.shape) * np.sqrt(factor * DENSITY / DT)
+    return system_of()
 
 
 def share(system, residual, covariances=None):
@@ -107,7 +93,7 @@ def test_the_share_of_recordings_left_out_is_that_of_their_noise(system, factor)
 
 def test_what_the_model_without_a_recording_was_unsure_of_is_expected_there(system):
     """Links and friction are off in one recording, as the covariance without it says."""
-    rng, mean = np.random.default_rng(2), true_parameters(system.robot, effect_uses(system.robot))
+    rng, mean = np.random.default_rng(2), parameters(system.robot)
     wide, none = np.diag((0.2 * mean) ** 2), np.zeros((len(mean), len(mean)))
     off = system.columns @ (0.2 * mean * rng.normal(size=len(mean)))
     residual = noise(system) + off * (system.recording == 2)[:, None]
@@ -130,8 +116,5 @@ def test_errors_that_last_show_in_longer_windows(system, monkeypatch):
 
 
 def test_of_a_few_seconds_the_statement_stands():
-    robot, rng = four_axes(), np.random.default_rng(7)
-    uses, motion = effect_uses(robot), waves(robot, rng, 9.0, 25.0)
-    short = System(robot, uses, [Evidence('run', motion, np.zeros_like(motion.q))],
-                   true_parameters(robot, uses))
+    short = system_of(1, 9.0)
     assert share(short, noise(short, 9.0)) == 1.0

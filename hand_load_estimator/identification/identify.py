@@ -15,10 +15,10 @@ from ..torque.columns import EffectUse, effect_slices, parameter_count
 from ..torque.sliding import moved_joints, sliding_rms, surely_slides
 from ..torque_model import Residuals, TorqueModel
 from .knee_fit import with_knees_fitted
+from .left_out_noise import density_left_out, drift_of
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
-from .residual_noise import (density, density_left_out, drift_of, known_joints, rmse_of,
-                             with_usual_drift)
+from .residual_noise import density, known_joints, rmse_of, with_usual_drift
 from .shape_search import search_shapes
 
 # How far a link's published mass, and its first and second moments, may be off.
@@ -100,9 +100,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
-    uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
-    intensity = density_left_out(intensity, system,
-                                 held_out(system, mean, covariance, weights), weights)
+    uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
+    intensity = density_left_out(system, x, (mean, covariance), weights, friction)
     stated = system.weights(intensity, friction)
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)

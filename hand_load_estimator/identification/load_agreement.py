@@ -87,7 +87,6 @@ def share_left_out(system, left_out, weights, drift):
     one.
     """
     roots = {part: _root(covariance) for part, covariance in left_out.covariances.items()}
-    parts = np.unique(np.stack([system.owner, left_out.part]), axis=1, return_inverse=True)[1]
 
     def window(rows):
         columns = system.columns[rows]
@@ -99,11 +98,17 @@ def share_left_out(system, left_out, weights, drift):
     shares = []
     for length in WINDOWS:
         squares = [window(rows).squared_error()
-                   for rows in slices_of(system.dt, parts.ravel(), length)]
+                   for rows in slices_of(system.dt, pieces_of(system, left_out), length)]
         squares = [square for square in squares if np.isfinite(square)]
         if len(squares) > 1:
             shares.append(share_of(squares) + np.std(squares) / np.sqrt(len(squares)))
     return float(max(shares, default=1.0))
+
+
+def pieces_of(system, left_out):
+    """Return numbers (N,) of rows of a System that belong together: in time, and in a LeftOut."""
+    both = np.stack([system.owner, left_out.part])
+    return np.unique(both, axis=1, return_inverse=True)[1].ravel()
 
 
 def share_of(squares):

@@ -7,10 +7,10 @@ import numpy as np
 from ..effects import LATE
 from ..identification.identify import prior
 from ..identification.knee_fit import with_knees_fitted
+from ..identification.left_out_noise import density_left_out, drift_of
 from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
-from ..identification.residual_noise import (density, density_left_out, drift_of, known_joints,
-                                             rmse_of, with_usual_drift)
+from ..identification.residual_noise import known_joints, rmse_of, with_usual_drift
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
@@ -184,18 +184,17 @@ def _identified(model, declared, before, evidence, own):
         uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
         unjudged = TorqueModel(robot, uses, links, x, posterior, None)
         friction = unjudged.held_friction()
-        left_out = held_out(system, mean, covariance, weights)
-        inside = density(system.residual(x), weights, system.owner, system.dt)
-        intensity = density_left_out(inside, system, left_out, weights)
+        intensity = density_left_out(system, x, (mean, covariance), weights, friction)
         if not own:
             # New recordings need not show all that the old ones did.
             intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
-    drift, found = _residuals(unjudged, residuals, (system, left_out, weights), evidence, own)
     stated = system.weights(intensity, friction)
-    share = share_left_out(system, held_out(system, mean, covariance, stated), stated, drift)
+    left_out = held_out(system, mean, covariance, stated)
+    drift, found = _residuals(unjudged, residuals, (system, left_out, stated), evidence, own)
+    share = share_left_out(system, left_out, stated, drift)
     found = replace(found, intensity=intensity, load_share=share)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]

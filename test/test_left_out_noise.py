@@ -1,0 +1,180 @@
+"""The density and drift that recordings left out show: nothing that is stated counts twice."""
+
+from left_out_helpers import DENSITY, DT, JOINTS, noise, parameters, system_of
+import numpy as np
+import pytest
+
+from hand_load_estimator.identification import identify, left_out_noise
+from hand_load_estimator.identification.left_out_noise import density_left_out, drift_of
+from hand_load_estimator.identification.load_agreement import LeftOut
+from hand_load_estimator.identification.regression_system import held_out
+from hand_load_estimator.identification.residual_noise import density
+
+# Relative std of all parameters in a recording left out.
+DOUBT = 0.2
+DRIFT = np.array([0.05, 0.1, 0.1])
+
+
+@pytest.fixture(scope='module')
+def system():
+    """Return the System of four recordings of a minute each."""
+    return system_of()
+
+
+def weights(system):
+    return np.tile(DT / DENSITY, (len(system.torque), 1))
+
+
+def densities(system, residual):
+    """
+    Return what was stated, by a fit to the true torque and a residual, over DENSITY.
+
+    By density_left_out; within the fit; and by what is left of recordings left out alone.
+    """
+    robot = system.robot
+    known = identify.prior(robot, system._uses, True)
+    system.torque = system.columns @ parameters(robot) + residual
+    x, _ = system.solve(*known, weights(system))
+    found = density_left_out(system, x, known, weights(system), np.zeros(JOINTS))
+    left = held_out(system, *known, weights(system)).residual
+    return [result / DENSITY for result in (
+        found, *(density(r, weights(system), system.owner, system.dt)
+                 for r in (system.residual(x), left)))]
+
+
+def drifts(system, drift=DRIFT):
+    """Return the torque (N, n) of offset, level and coefficient that differ from run to run."""
+    rng = np.random.default_rng(5)
+    state, velocity = system.drifting
+    runs = system.recording.max() + 1
+    own = (drift * rng.normal(size=(runs, JOINTS, 3)))[system.recording]
+    return own[..., 0] + own[..., 1] * state + own[..., 2] * velocity
+
+
+def test_with_little_data_what_parameters_do_is_not_counted():
+    """Of two recordings of 10 s each is foretold badly by the other; C says so."""
+    short = system_of(2, 10.0)
+    found, _, left = densities(short, noise(short))
+    assert (left > 1.3).any() and (found < 1.25).all() and (found > 0.8).all()
+
+
+def test_drift_that_is_stated_is_not_counted(system):
+    found, within, left = densities(system, noise(system) + drifts(system))
+    assert left.max() > 1.15 * found.max()
+    assert (found < 1.1 * within).all()
+
+
+def unlike(system):
+    """Return the torque (N, n) of links that differ from recording to recording."""
+    rng, x = np.random.default_rng(2), parameters(system.robot)
+    wrong = 0.3 * x * rng.normal(size=(4, len(x)))
+    wrong[:, 10 * JOINTS:] = 0.0
+    return (system.columns * wrong[system.recording][:, None]).sum(axis=2)
+
+
+def test_what_nothing_states_is_counted(system):
+    """Neither drift nor doubt of one arm."""
+    found, within, left = densities(system, noise(system) + unlike(system))
+    assert (found <= 1.1 * left).all()
+    assert found.max() > 1.3 * within[found.argmax()]
+
+
+def test_of_noise_alone_it_is_that_of_the_fit(system):
+    found, within, _ = densities(system, noise(system))
+    assert (found >= within).all() and (found < 1.1 * within).all()
+
+
+def test_c_is_of_fits_by_the_density_within_the_fit(system):
+    """Whatever a turn before took for the density: fits that know less would hide an excess."""
+    known = identify.prior(system.robot, system._uses, True)
+    system.torque = system.columns @ parameters(system.robot) + noise(system) + unlike(system)
+    x, _ = system.solve(*known, weights(system))
+    few, many = (density_left_out(system, x, known, factor * weights(system), np.zeros(JOINTS))
+                 for factor in (0.1, 1.0))
+    np.testing.assert_allclose(few, many, rtol=1e-6)
+
+
+def covariance(system, doubt):
+    """Return the covariance (P, P) of parameters that are known to a relative std."""
+    return np.diag((doubt * parameters(system.robot)) ** 2)
+
+
+def off(system, runs):
+    """Return what the torque (N, n) is off by in some runs, whose parameters are off by DOUBT."""
+    x, rng = parameters(system.robot), np.random.default_rng(2)
+    wrong = DOUBT * x * rng.normal(size=(4, len(x)))
+    return ((system.columns * wrong[system.recording][:, None]).sum(axis=2)
+            * np.isin(system.recording, runs)[:, None])
+
+
+def judged(monkeypatch, system, left_out):
+    """Return the density that a LeftOut is said to show, over DENSITY, which is that of a fit."""
+    monkeypatch.setattr(left_out_noise, 'held_out', lambda *_: left_out)
+    monkeypatch.setattr(left_out_noise, 'density', lambda *_: DENSITY)
+    monkeypatch.setattr(left_out_noise, 'drift_of', lambda *_: np.zeros((JOINTS, 3)))
+    return density_left_out(system, parameters(system.robot), (None, None), weights(system),
+                            np.zeros(JOINTS)) / DENSITY
+
+
+def test_a_run_is_judged_by_the_doubt_of_the_fit_without_it(monkeypatch, system):
+    residual = noise(system) + off(system, [2])
+
+    def by(run):
+        return judged(monkeypatch, system, LeftOut(residual, system.recording, {
+            k: covariance(system, DOUBT if k == run else 0.0) for k in range(4)}))
+    right, wrong = by(2), by(1)
+    assert (right < 1.1).all() and (wrong > 1.3 * right).sum() >= 2
+
+
+def test_blocks_that_only_a_prior_foretells_hide_nothing_elsewhere(monkeypatch, system):
+    """Half of the runs are not known of at all, and happen to be as expected."""
+    left_out = LeftOut(noise(system, 2.0), system.recording, {
+        k: covariance(system, 10.0 if k % 2 else 0.0) for k in range(4)})
+    ratio = judged(monkeypatch, system, left_out)
+    assert (ratio > 1.7).all() and (ratio < 2.8).all()
+
+
+def left_out_of(system, residual, doubts):
+    """Return the LeftOut of a residual with the relative std of parameters of each part."""
+    part = system.recording if len(np.unique(system.recording)) > 1 \
+        else np.arange(len(residual)) * 4 // len(residual)
+    return LeftOut(residual, part, {k: covariance(system, doubt)
+                                    for k, doubt in enumerate(doubts)})
+
+
+def test_drift_is_found_beside_parameters_in_doubt(system):
+    """Both as large as stated: what is left is the drift."""
+    residual = noise(system) + drifts(system) + off(system, range(4))
+    stated, none = (drift_of(system, left_out_of(system, residual, doubts), weights(system))
+                    for doubts in (4 * [DOUBT], 4 * [0.0]))
+    alone = drift_of(system, left_out_of(system, noise(system) + drifts(system), 4 * [0.0]),
+                     weights(system))
+    assert (alone > 0.4 * DRIFT).all() and (alone < 2.0 * DRIFT).all()
+    assert (np.abs(stated - alone) < 0.8 * np.abs(none - alone))[:, 1:].mean() > 0.8
+
+
+def test_a_recording_is_judged_by_the_doubt_of_the_fit_without_it(system):
+    residual = noise(system) + off(system, [2])
+    right, wrong = (drift_of(system, left_out_of(system, residual, doubts), weights(system))
+                    for doubts in ([0.0, 0.0, DOUBT, 0.0], [DOUBT, 0.0, 0.0, 0.0]))
+    assert np.square(right[:, 1:]).sum() < 0.3 * np.square(wrong[:, 1:]).sum()
+
+
+def test_each_part_of_a_single_recording_is_judged_by_its_own_fit():
+    single = system_of(1, 120.0)
+    second = (np.arange(len(single.torque)) * 4 // len(single.torque) == 1)[:, None]
+    residual = noise(single) + second * (single.columns @ (DOUBT * parameters(single.robot)))
+    right, wrong = (drift_of(single, left_out_of(single, residual, doubts), weights(single))
+                    for doubts in ([0.0, DOUBT, 0.0, 0.0], [DOUBT, 0.0, 0.0, 0.0]))
+    assert np.square(right[:, 1:]).sum() < 0.3 * np.square(wrong[:, 1:]).sum()
+
+
+def test_what_no_other_recording_shows_is_no_drift():
+    """Two recordings that move other joints: of each the other knows the prior."""
+    apart = np.array([[True, False, True, False], [False, True, False, True]])
+    system = system_of(2, 40.0, apart)
+    known = identify.prior(system.robot, system._uses, True)
+    system.torque = system.columns @ parameters(system.robot) + noise(system)
+    found = drift_of(system, held_out(system, *known, weights(system)), weights(system))
+    friction = np.abs(parameters(system.robot)[10 * JOINTS:]).reshape(JOINTS, -1)
+    assert (found[:, 1] < 0.1 * friction.max(axis=1)).all()
