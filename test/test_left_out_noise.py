@@ -1,5 +1,8 @@
 """The density and drift that recordings left out show: nothing that is stated counts twice."""
 
+from copy import copy
+
+from core_helpers import effect_uses
 from left_out_helpers import DENSITY, DT, JOINTS, noise, parameters, system_of
 import numpy as np
 import pytest
@@ -25,15 +28,20 @@ def weights(system):
     return np.tile(DT / DENSITY, (len(system.torque), 1))
 
 
+def made(system, residual):
+    """Return the System of the true torque and a residual, and what was known before (prior)."""
+    out, robot = copy(system), system.robot
+    out.torque = out.columns @ parameters(robot) + residual
+    return out, identify.prior(robot, effect_uses(robot), True)
+
+
 def densities(system, residual):
     """
     Return what was stated, by a fit to the true torque and a residual, over DENSITY.
 
     By density_left_out; within the fit; and by what is left of recordings left out alone.
     """
-    robot = system.robot
-    known = identify.prior(robot, system._uses, True)
-    system.torque = system.columns @ parameters(robot) + residual
+    system, known = made(system, residual)
     x, _ = system.solve(*known, weights(system))
     found = density_left_out(system, x, known, weights(system), np.zeros(JOINTS))
     left = held_out(system, *known, weights(system)).residual
@@ -86,8 +94,7 @@ def test_of_noise_alone_it_is_that_of_the_fit(system):
 
 def test_c_is_of_fits_by_the_density_within_the_fit(system):
     """Whatever a turn before took for the density: fits that know less would hide an excess."""
-    known = identify.prior(system.robot, system._uses, True)
-    system.torque = system.columns @ parameters(system.robot) + noise(system) + unlike(system)
+    system, known = made(system, noise(system) + unlike(system))
     x, _ = system.solve(*known, weights(system))
     few, many = (density_left_out(system, x, known, factor * weights(system), np.zeros(JOINTS))
                  for factor in (0.1, 1.0))
@@ -173,8 +180,7 @@ def test_what_no_other_recording_shows_is_no_drift():
     """Two recordings that move other joints: of each the other knows the prior."""
     apart = np.array([[True, False, True, False], [False, True, False, True]])
     system = system_of(2, 40.0, apart)
-    known = identify.prior(system.robot, system._uses, True)
-    system.torque = system.columns @ parameters(system.robot) + noise(system)
+    system, known = made(system, noise(system))
     found = drift_of(system, held_out(system, *known, weights(system)), weights(system))
     friction = np.abs(parameters(system.robot)[10 * JOINTS:]).reshape(JOINTS, -1)
     assert (found[:, 1] < 0.1 * friction.max(axis=1)).all()

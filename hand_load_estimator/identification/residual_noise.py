@@ -1,4 +1,4 @@
-"""What identification leaves: its density, its size in sliding, its drift between recordings."""
+"""What identification leaves: its density, its size in sliding, and how friction usually drifts."""
 
 import numpy as np
 
