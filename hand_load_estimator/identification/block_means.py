@@ -50,6 +50,6 @@ class Blocks:
             / np.maximum(self._total[:, joint, None], 1e-30)
 
     def average(self, values, share=1.0):
-        """Return the average (n,) over blocks of values (B, n); share (B, n) of what each counts."""
+        """Return the average (n,) of values (B, n); share (B, n): of what each counts."""
         worth = self._worth * share
         return (worth * values).sum(axis=0) / np.maximum(worth.sum(axis=0), 1e-30)

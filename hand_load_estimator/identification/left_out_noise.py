@@ -33,7 +33,8 @@ def density_left_out(system, x, prior, weights, friction):
     drift, more = drift_of(system, left_out, weights), np.ones(len(inside))
     for blocks in all_blocks(weights, pieces_of(system, left_out), system.dt):
         noise = np.maximum(inside / blocks.length, 1e-300)
-        stated = noise + _of_drift(blocks, system, drift) + _of_parameters(blocks, system, left_out)
+        stated = (noise + _of_drift(blocks, system, drift)
+                  + _of_parameters(blocks, system, left_out))
         squares = blocks.means(left_out.residual) ** 2
         more = np.maximum(more, blocks.average(squares / stated, noise / stated))
     return inside * more

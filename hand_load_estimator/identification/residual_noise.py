@@ -1,4 +1,4 @@
-"""What identification leaves: its density, its size in sliding, and how friction usually drifts."""
+"""What identification leaves: its density, its size in sliding, and the usual drift."""
 
 import numpy as np
 
