@@ -8,7 +8,8 @@ import pytest
 
 from hand_load_estimator.identification import identify
 from hand_load_estimator.identification.evidence import prepare
-from hand_load_estimator.identification.residual_noise import drift_of, USUAL_DRIFT
+from hand_load_estimator.identification.left_out_noise import drift_of
+from hand_load_estimator.identification.residual_noise import USUAL_DRIFT
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
 from hand_load_estimator.stream.joint_stream import motion_of
