@@ -137,15 +137,26 @@ def test_nothing_drifts_where_nothing_drifts(made, found):
     assert (found.residuals.drift[:, 0] < 0.05 * np.sqrt(made.density / DT)).all()
 
 
+def with_offsets(made):
+    """Return Evidence of an arm with another offset in every recording, and their size (n,)."""
+    rng, size = np.random.default_rng(3), 0.01 * made.robot.limits.torque
+    offsets = size * rng.choice([-1.0, 1.0], (4, 4))
+    return [Evidence(e.name, e.motion, e.torque + offsets[k])
+            for k, e in enumerate(made.evidence)], size
+
+
 def test_what_changes_between_recordings_is_drift(made):
     """An offset of another size in every recording is found as such, not as noise."""
-    rng = np.random.default_rng(3)
-    offsets = 0.01 * made.robot.limits.torque * rng.choice([-1.0, 1.0], (4, 4))
-    evidence = [Evidence(e.name, e.motion, e.torque + offsets[k])
-                for k, e in enumerate(made.evidence)]
+    evidence, size = with_offsets(made)
     drift = identify(made.robot, evidence, list(NAMES)).residuals.drift
-    expected = 0.01 * made.robot.limits.torque
-    assert (drift[:, 0] > 0.5 * expected).all() and (drift[:, 0] < 2.5 * expected).all()
+    assert (drift[:, 0] > 0.5 * size).all() and (drift[:, 0] < 2.5 * size).all()
+
+
+def test_more_drift_in_new_recordings_is_stated(made, found):
+    """`diagnose` of recordings that the model does not know keeps the larger of both."""
+    evidence, size = with_offsets(made)
+    again = identified_again(found, made.uses, evidence, set(), set()).residuals.drift
+    assert (again >= found.residuals.drift).all() and (again[:, 0] > 0.5 * size).all()
 
 
 def test_what_it_came_from_is_kept(found):

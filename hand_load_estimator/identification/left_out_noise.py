@@ -3,7 +3,9 @@ What recordings left out of a fit tell of the noise that its model is to state.
 
 What is left of a recording that the fit has not seen is noise; what offset and friction are there
 that they are not elsewhere (drift); and what the parameters do, of covariance C, that were found
-without it. The model states each by itself, so each must count once.
+without it. The model states each by itself, so none may make the density larger than it is within
+the fit. There drift counts, on purpose: of arms that do more than drift (measured ones) a density
+beside freely drifting friction is too small (doc/method.md, "How wide the intervals are").
 """
 
 import numpy as np

@@ -213,12 +213,12 @@ def _residuals(model, old, fit, evidence, own):
     model: as identified by the fit, a System, its LeftOut and weights; old: the model's before.
     """
     (system, left_out, weights), moved = fit, moved_joints(evidence)
-    rmse = rmse_of(model, system, left_out.residual, moved)
+    rmse, drift = rmse_of(model, system, left_out.residual, moved), drift_of(*fit)
     if own:
-        drift, told = drift_of(system, left_out, weights), known_joints(evidence)
-        return drift, replace(old, rmse=rmse, sliding=None, unmoved=~moved,
-                              drift=with_usual_drift(model, system, drift, told))
+        usual = with_usual_drift(model, system, drift, known_joints(evidence))
+        return drift, replace(old, rmse=rmse, sliding=None, unmoved=~moved, drift=usual)
     # New recordings need not show all that the old ones did.
     rmse = np.where(moved, np.maximum(rmse, np.sqrt(SHOWN) * old.rmse), old.rmse)
+    drift = np.maximum(drift, old.drift)
     unmoved = None if old.unmoved is None else old.unmoved & ~moved
-    return old.drift, replace(old, rmse=rmse, sliding=None, unmoved=unmoved)
+    return drift, replace(old, rmse=rmse, sliding=None, unmoved=unmoved, drift=drift)
