@@ -369,9 +369,11 @@ def test_the_density_is_that_of_the_noise_however_little_is_recorded(recordings,
 
 
 def test_what_recordings_left_out_show_is_stated(monkeypatch):
-    robot, shown = four_axes(), np.array([4.0, 3.0, 2.0, 1.0])
+    robot, shown, drift = four_axes(), np.array([4.0, 3.0, 2.0, 1.0]), np.full((4, 3), 0.7)
     made = Made(robot, recordings=2, seconds=10.0)
     for module in ('identification.identify', 'residual.add'):
-        monkeypatch.setattr(f'hand_load_estimator.{module}.density_left_out', lambda *_: shown)
-    np.testing.assert_array_equal(identify(robot, made.evidence, NAMES).residuals.intensity, shown)
-    np.testing.assert_array_equal(remade(robot, made).residuals.intensity, shown)
+        monkeypatch.setattr(f'hand_load_estimator.{module}.noise_left_out',
+                            lambda *_: (shown, drift))
+    for model in (identify(robot, made.evidence, NAMES), remade(robot, made)):
+        np.testing.assert_array_equal(model.residuals.intensity, shown)
+        np.testing.assert_array_equal(model.residuals.drift, drift)

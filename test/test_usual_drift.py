@@ -8,7 +8,7 @@ import pytest
 
 from hand_load_estimator.identification import identify
 from hand_load_estimator.identification.evidence import prepare
-from hand_load_estimator.identification.left_out_noise import drift_of
+from hand_load_estimator.identification.left_out_noise import noise_left_out
 from hand_load_estimator.identification.residual_noise import USUAL_DRIFT
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.recording import JointSample, Recording, TemperatureSample
@@ -32,8 +32,12 @@ def identified(monkeypatch, seeds, celsius=(), effects=EFFECTS):
                             message.effort))])
         evidence.append(prepare(robot, f'run {seed}', motion_of(robot, recording)[0],
                                 LoadParameters(), recording))
-    monkeypatch.setattr(identify, 'drift_of',
-                        lambda *given: seen.append(drift_of(*given)) or seen[0])
+
+    def heard(*given):
+        density, drift = noise_left_out(*given)
+        seen.append(drift)
+        return density, drift
+    monkeypatch.setattr(identify, 'noise_left_out', heard)
     found = identify.identify(robot, evidence, list(effects))
     friction = np.stack([np.zeros(4), found.friction_level(), found.viscous_friction()], axis=1)
     return seen[0], found.residuals.drift, friction

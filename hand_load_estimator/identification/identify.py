@@ -15,7 +15,7 @@ from ..torque.columns import EffectUse, effect_slices, parameter_count
 from ..torque.sliding import moved_joints, sliding_rms, surely_slides
 from ..torque_model import Residuals, TorqueModel
 from .knee_fit import with_knees_fitted
-from .left_out_noise import density_left_out, drift_of
+from .left_out_noise import noise_left_out
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
 from .residual_noise import density, known_joints, rmse_of, with_usual_drift
@@ -100,16 +100,15 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
-    uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
-    intensity = density_left_out(system, x, (mean, covariance), weights, friction)
-    stated = system.weights(intensity, friction)
+    uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
+    intensity, drift = noise_left_out(system, (mean, covariance), weights, friction)
+    system, stated = system.with_drift(drift), system.weights(intensity, friction)
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)
     sliding = sliding_rms(left_out.residual,
                           surely_slides(system.velocity, system.z, system.doubt)
                           & system.tells, system.dt, system.owner)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
-    drift = drift_of(system, left_out, stated)
     # What no recording shows is no part of what loads found in them suffer from.
     share = share_left_out(system, left_out, stated, drift)
     moved, told = moved_joints(evidence), known_joints(evidence)

@@ -19,27 +19,29 @@ from .residual_noise import density
 FEWEST_ROWS = 50
 
 
-def density_left_out(system, x, prior, weights, friction):
+def noise_left_out(system, prior, weights, friction):
     """
-    Return the density (n,) [Nm^2 s] that the residual of a System is to have in its model.
+    Return density (n,) [Nm^2 s] and drift (n, 3) that a System's residual is to have in its model.
 
-    x (P,): as fitted; prior: mean and covariance before the fit; weights (N, n) it was fitted by;
-    friction (n,): levels that stuck joints may hold. The density within the fit grows by the
-    factor by which squared means over blocks, of recordings left out, are larger than it, drift
-    and C foretell (at least 1). Blocks of which it foretells little tell little of it.
+    prior: mean and covariance before the fit; weights (N, n) of a fit without drift; friction
+    (n,): levels that stuck joints may hold. The density within the fit grows by the factor by
+    which squared means over blocks, of recordings left out, are larger than it, drift and C
+    foretell (at least 1). Blocks of which it foretells little tell little of it.
     """
+    x, _ = system.solve(*prior, weights)
     inside = density(system.residual(x), weights, system.owner, system.dt)
     # C is stated beside the density, so it has to be of fits that know no other.
     weights = system.weights(inside, friction)
     left_out = held_out(system, *prior, weights)
-    drift, more = drift_of(system, left_out, weights), np.ones(len(inside))
+    drift = drift_of(system, left_out, weights)
+    more = np.ones(len(inside))
     for blocks in all_blocks(weights, pieces_of(system, left_out), system.dt):
         noise = np.maximum(inside / blocks.length, 1e-300)
         stated = (noise + _of_drift(blocks, system, drift)
                   + _of_parameters(blocks, system, left_out))
         squares = blocks.means(left_out.residual) ** 2
         more = np.maximum(more, blocks.average(squares / stated, noise / stated))
-    return inside * more
+    return inside * more, drift
 
 
 def _of_drift(blocks, system, drift):

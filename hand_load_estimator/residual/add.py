@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import LATE
 from ..identification.identify import prior
 from ..identification.knee_fit import with_knees_fitted
-from ..identification.left_out_noise import density_left_out, drift_of
+from ..identification.left_out_noise import noise_left_out
 from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
 from ..identification.residual_noise import known_joints, rmse_of, with_usual_drift
@@ -175,27 +175,31 @@ def _identified(model, declared, before, evidence, own):
     mean, covariance = _of_shifts(*before, robot.n, asked, uses)
     intensity, friction, moved = (residuals.intensity, model.held_friction(),
                                   moved_joints(evidence))
+    drift = residuals.drift
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for turn in range(TURNS):
         # Only effects that depend on torques change their columns with x.
         if system is None or torque_bound:
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
-        uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, weights)
+        uses, x, posterior = with_knees_fitted(system.with_drift(drift), uses, known, mean,
+                                               covariance, weights)
         unjudged = TorqueModel(robot, uses, links, x, posterior, None)
         friction = unjudged.held_friction()
-        intensity = density_left_out(system, x, (mean, covariance), weights, friction)
+        intensity, drift = noise_left_out(system, (mean, covariance), weights, friction)
         if not own:
             # New recordings need not show all that the old ones did.
+            drift = np.maximum(drift, residuals.drift)
             intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)
-    stated = system.weights(intensity, friction)
+    system, stated = system.with_drift(drift), system.weights(intensity, friction)
+    uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)
-    drift, found = _residuals(unjudged, residuals, (system, left_out, stated), evidence, own)
-    share = share_left_out(system, left_out, stated, drift)
-    found = replace(found, intensity=intensity, load_share=share)
+    unjudged = TorqueModel(robot, uses, links, x, posterior, None)
+    found = replace(_residuals(unjudged, residuals, (system, left_out, drift), evidence, own),
+                    intensity=intensity, load_share=share_left_out(system, left_out, stated, drift))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
@@ -208,17 +212,16 @@ def _identified(model, declared, before, evidence, own):
 
 def _residuals(model, old, fit, evidence, own):
     """
-    Return the drift that recordings show, and Residuals whose density and share are still the old.
+    Return Residuals whose density and share are still the old.
 
-    model: as identified by the fit, a System, its LeftOut and weights; old: the model's before.
+    model: as identified by the fit, a System, its LeftOut and its drift; old: the model's before.
     """
-    (system, left_out, weights), moved = fit, moved_joints(evidence)
-    rmse, drift = rmse_of(model, system, left_out.residual, moved), drift_of(*fit)
+    (system, left_out, drift), moved = fit, moved_joints(evidence)
+    rmse = rmse_of(model, system, left_out.residual, moved)
     if own:
-        usual = with_usual_drift(model, system, drift, known_joints(evidence))
-        return drift, replace(old, rmse=rmse, sliding=None, unmoved=~moved, drift=usual)
+        drift = with_usual_drift(model, system, drift, known_joints(evidence))
+        return replace(old, rmse=rmse, sliding=None, unmoved=~moved, drift=drift)
     # New recordings need not show all that the old ones did.
     rmse = np.where(moved, np.maximum(rmse, np.sqrt(SHOWN) * old.rmse), old.rmse)
-    drift = np.maximum(drift, old.drift)
     unmoved = None if old.unmoved is None else old.unmoved & ~moved
-    return drift, replace(old, rmse=rmse, sliding=None, unmoved=unmoved, drift=drift)
+    return replace(old, rmse=rmse, sliding=None, unmoved=unmoved, drift=drift)
