@@ -76,13 +76,14 @@ class System:
 
     def with_drift(self, drift):
         """
-        Return a System whose parts each have an offset, a level and a coefficient of their own.
+        Return a System whose recordings each have an offset, level and coefficient of their own.
 
-        drift (n, 3): their std. What they may do is no more told by the parts than so (a random
-        effect, marginalised), and is part of what the parameters are not known by.
+        drift (n, 3): their std. What they may do is no more told by the recordings than so (a
+        random effect, marginalised), and is part of what the parameters are not known by. A single
+        recording is the same: its quarters are too short to tell drift from all else.
         """
         out = copy(self)
-        out._drift = drift
+        out._drift = drift if len(np.unique(self.recording)) > 1 else np.zeros_like(drift)
         return out
 
     @property

@@ -198,8 +198,9 @@ def _identified(model, declared, before, evidence, own):
     uses, x, posterior = with_knees_fitted(system, uses, known, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)
     unjudged = TorqueModel(robot, uses, links, x, posterior, None)
+    share = share_left_out(system, left_out, stated, drift)
     found = replace(_residuals(unjudged, residuals, (system, left_out, drift), evidence, own),
-                    intensity=intensity, load_share=share_left_out(system, left_out, stated, drift))
+                    intensity=intensity, load_share=share)
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
