@@ -1,4 +1,4 @@
-"""Drift in the least squares of identification: the same as more columns, one set per part."""
+"""Drift in the least squares of identification: the same as more columns, one set per recording."""
 
 from core_helpers import effect_uses
 from left_out_helpers import DENSITY, DT, JOINTS, noise, parameters, system_of
@@ -15,6 +15,8 @@ DRIFT = np.array([0.05, 0.1, 0.1]) * np.array([[1.0], [2.0], [0.5], [0.0]])
 def made(runs):
     """Return a System of `runs` recordings, prior mean and covariance, and weights."""
     system = system_of(runs, 20.0)
+    # Pieces of one recording need not follow each other.
+    system.recording = np.arange(len(system.torque)) // 500 % runs
     system.torque = system.columns @ parameters(system.robot) + 3.0 * noise(system)
     known = identify.prior(system.robot, effect_uses(system.robot), True)
     rng = np.random.default_rng(3)
@@ -22,12 +24,12 @@ def made(runs):
 
 
 def with_columns(system, mean, covariance):
-    """Return the System with columns of drift of their own for each part, and the prior of it."""
-    parts = np.unique(system.parts)
+    """Return the System with columns of drift of their own for each recording, and the prior of it."""
+    parts = np.unique(system.recording)
     more = np.zeros((*system.torque.shape, 3 * JOINTS * len(parts)))
     state, velocity = system.drifting
     for i, part in enumerate(parts):
-        rows = np.flatnonzero(system.parts == part)
+        rows = np.flatnonzero(system.recording == part)
         for j in range(JOINTS):
             k = 3 * (i * JOINTS + j)
             more[rows, j, k:k + 3] = np.stack(

@@ -43,7 +43,7 @@ class System:
         self.z = np.concatenate([x.z for x, _ in inputs])
         self._uses = uses
         self.drifting = self.z.copy(), self.velocity.copy()
-        self._drift = np.zeros((robot.n, 3))
+        self._drift = None
         # A delay delays every other column of its joint; none counts twice.
         self._late = {use.joint: (mean[where][0], use.shape['shift'])
                       for use, where in effect_slices(robot.n, uses) if use.name == LATE}
@@ -83,15 +83,8 @@ class System:
         recording is the same: its quarters are too short to tell drift from all else.
         """
         out = copy(self)
-        out._drift = drift if len(np.unique(self.recording)) > 1 else np.zeros_like(drift)
+        out._drift = drift if len(np.unique(self.recording)) > 1 else None
         return out
-
-    @property
-    def parts(self):
-        """Return numbers (N,) of what is left out at once: recordings, or quarters of a single."""
-        single = len(np.unique(self.recording)) == 1
-        return np.arange(len(self.recording)) * 4 // len(self.recording) if single \
-            else self.recording
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where friction is in doubt, 0 where nothing tells."""
@@ -107,7 +100,6 @@ class System:
         """Return Y^T W Y and Y^T W (tau - Y mean) of rows, for the parameters free to move."""
         y, tau, w = self.columns[rows], self.torque[rows], weights[rows]
         n, free = tau.shape[1], np.flatnonzero(np.diag(covariance) > 0.0)
-        spans = _spans(self.parts[rows])
         information = np.zeros((len(free), len(free)))
         gradient = np.zeros(len(free))
         for j in range(n):
@@ -117,31 +109,31 @@ class System:
             weighted, left = yj * w[:, j, None], tau[:, j] - y[:, j] @ mean
             information[np.ix_(own, own)] += weighted.T @ yj
             gradient[own] += weighted.T @ left
-            for span, unit, certain in self._drifting(w, j, rows, spans):
-                through = weighted[span].T @ unit
+            for own_rows, unit, certain in self._drifting(w, j, rows):
+                through = weighted[own_rows].T @ unit
                 information[np.ix_(own, own)] -= through @ certain @ through.T
-                gradient[own] -= through @ certain @ ((unit * w[span, j, None]).T @ left[span])
+                gradient[own] -= through @ certain @ (unit.T @ (w[own_rows, j] * left[own_rows]))
         return information, gradient
 
-    def _drifting(self, weights, j, rows, spans):
-        """Yield slices, columns (m, 3) of unit drift of joint j and their posterior covariance."""
-        if not self._drift[j].any():
+    def _drifting(self, weights, j, rows):
+        """
+        Yield of each recording its rows, and the columns of joint j's drift in units of its std.
+
+        The third is the covariance (3, 3) of what these rows of weights (N, n) leave of it.
+        """
+        if self._drift is None:
             return
-        columns = np.stack([np.ones(len(weights)), *(d[rows, j] for d in self.drifting)], axis=1)
-        columns *= self._drift[j]
-        for span in spans:
-            unit = columns[span]
-            yield span, unit, np.linalg.inv((unit * weights[span, j, None]).T @ unit + np.eye(3))
+        columns = self._drift[j] * np.stack(
+            [np.ones(len(weights)), *(values[rows, j] for values in self.drifting)], axis=1)
+        recording = self.recording[rows]
+        for number in np.unique(recording):
+            own = np.flatnonzero(recording == number)
+            unit = columns[own]
+            yield own, unit, np.linalg.inv((unit * weights[own, j, None]).T @ unit + np.eye(3))
 
     def residual(self, x):
         """Return tau - Y x, (N, n)."""
         return self.torque - self.columns @ x
-
-
-def _spans(parts):
-    """Return the slices of rows whose part (N,) is one."""
-    edges = np.r_[0, np.flatnonzero(np.diff(parts)) + 1, len(parts)]
-    return [slice(a, b) for a, b in zip(edges[:-1], edges[1:])]
 
 
 def posterior_of(mean, covariance, told):
@@ -165,7 +157,9 @@ def held_out(system, mean, covariance, weights):
 
     A single recording is cut into four parts in time instead.
     """
-    parts = system.parts
+    parts = system.recording
+    if len(np.unique(parts)) == 1:
+        parts = np.arange(len(parts)) * 4 // len(parts)
     told = {part: system.told(mean, covariance, weights, np.flatnonzero(parts == part))
             for part in np.unique(parts)}
     residual, covariances = np.empty_like(system.torque), {}
