@@ -1,4 +1,4 @@
-"""Write a trajectory as the YAML of a trajectory_msgs/JointTrajectory, for `ros2 topic pub`."""
+"""Write a trajectory as the YAML of a trajectory_msgs/JointTrajectory."""
 
 import json
 from pathlib import Path
