@@ -21,6 +21,7 @@ def test_json_has_the_keys_of_the_contract():
     assert effect['parameters']['amplitude'] == {'mean': 2.71, 'std': 0.031, 'unit': 'Nm'}
     assert effect['explained'] == [0.0, 0.0, 0.71, 0.0, 0.0, 0.0]
     assert effect['evidence']['next_best'] == 'cable_drag'
+    assert effect['evidence']['next_best_possible'] is True
     assert effect['verdict'] == 'confirmed'
     assert content['effects'][1]['alternatives'] == ['link_inertia', 'cable_drag']
     assert content['effects'][1]['alternatives_detail'] == [

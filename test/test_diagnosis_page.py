@@ -132,6 +132,24 @@ def test_page_says_that_a_rival_is_ahead():
     assert '−676' not in said
 
 
+def test_page_says_why_a_rival_close_behind_is_no_alternative():
+    finding = found().findings[0]
+    impossible = dataclasses.replace(finding.evidence, margin=0.85, next_possible=False)
+    page = diagnosis_page.page(dataclasses.replace(
+        found(), findings=(dataclasses.replace(finding, evidence=impossible),)))
+    assert ('Next best explanation: cable drag, 0.850 nats behind; with the figures that fit it '
+            'is impossible or too small to matter.') in Reader(page).words()
+
+
+def test_page_says_where_the_gain_chose_a_shape():
+    rippled, linear = (dataclasses.replace(found().findings[0], name=name)
+                       for name in ('torque_ripple', 'torque_offset'))
+    chosen = 'the shape of the formula was chosen by the same gain'
+    for finding, told in ((rippled, True), (linear, False)):
+        page = diagnosis_page.page(dataclasses.replace(found(), findings=(finding,)))
+        assert (chosen in page) == told
+
+
 def left_over(parameters):
     """Return structure that follows time only, with a picture and no fit."""
     time = np.linspace(0.0, 9.0, 200)
@@ -146,7 +164,9 @@ def left_over(parameters):
 def test_what_was_not_fitted_claims_no_fit_and_no_motion():
     finding = left_over({})
     page = diagnosis_page.page(dataclasses.replace(found(), findings=(finding,)))
-    words = Reader(page).words()
+    read = Reader(page)
+    words = read.words()
+    assert read.images[-1]['alt'].endswith('against time [s], nothing fitted')
     assert 'Nothing was fitted: this is what is left after 143 hypotheses tried.' in words
     assert 'not known nats' not in words and 'A motion that would' not in words
     assert 'It follows none of position' in words and 'rings' not in words

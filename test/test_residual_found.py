@@ -212,13 +212,14 @@ def test_rivals_are_weighed_again_beside_what_was_found_since():
     those = candidates(model, residual, {'torque_ripple': {'periods': 23.4},
                                          'coulomb_friction': {}, 'viscous_friction': {}})
     overrated = replace(those['viscous_friction'], gain=1e9)
-    found = Found(model, residual, (), None, lambda c: True)
+    found = Found(model, residual, (), None, lambda c: c.name != 'viscous_friction')
     found.add(replace(step(those['torque_ripple']), next_best=those['coulomb_friction']))
     found.add(replace(step(those['coulomb_friction']), next_best=overrated))
     found.settle()
     found.weigh_again()
     rippled, level = found.steps
-    assert rippled.next_best is None
+    assert rippled.next_best is None and rippled.next_possible
+    assert not level.next_possible
     assert level.next_best.name == 'viscous_friction' and level.alternatives == ()
     assert level.next_best.gain == pytest.approx(
         found.beside(level).evaluate(overrated.parts[0][0].columns).gain)

@@ -9,6 +9,7 @@ import pytest
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding, Structure,
                                                     SUSPECTED, UNKNOWN)
 from hand_load_estimator.residual.doubts.mostly_structure import mostly_structure
+from hand_load_estimator.residual.measured.structure import CONSTANT
 
 JOINTS = declared_model().robot.joints
 ROWS, DT = 3000, 0.02
@@ -17,10 +18,12 @@ ROWS, DT = 3000, 0.02
 def left(structure):
     """Return (Residual as far as it is read, rest (N, 4)): noise of 1 Nm and so much structure."""
     rng, time = np.random.default_rng(3), DT * np.arange(ROWS)
-    rest = rng.normal(size=(ROWS, 4)) + np.array(structure) * np.sin(2.0 * time)[:, None]
+    swing = np.sin(2.0 * time)[:, None] * np.ones(4)
     return SimpleNamespace(
+        x=SimpleNamespace(q=swing),
         moving=np.ones((ROWS, 4), bool), weights=np.ones((ROWS, 4)), dt=np.full(ROWS, DT),
-        messages=np.ones(ROWS), owner=np.zeros(ROWS, int), observations=12), rest
+        messages=np.ones(ROWS), owner=np.zeros(ROWS, int), observations=12), \
+        rng.normal(size=(ROWS, 4)) + np.array(structure) * swing
 
 
 def following(position):
@@ -48,7 +51,20 @@ def test_what_is_mostly_structure_is_unknown_with_what_it_follows():
         (UNKNOWN, JOINTS[1:2], ('position',), SUSPECTED)]
     assert found[0].evidence.rms == pytest.approx(3.0, rel=0.05)
     assert 'depends on position' in found[1].advice
-    assert [f.pictures[0].joint for f in found] == list(JOINTS[:2])
+    assert [[(p.joint, p.variable, p.fitted) for p in f.pictures] for f in found] == [
+        [(JOINTS[0], 'time [s]', False)],
+        [(JOINTS[1], 'position [rad]', False), (JOINTS[1], 'time [s]', False)]]
+    against = found[1].pictures[0]
+    # 4 Nm per unit of the swing it follows, within the errors of its bins.
+    assert np.mean(np.abs(against.mean - 4.0 * against.x) < 2.0 * against.std) > 0.9
+
+
+def test_a_mean_is_nothing_that_it_follows():
+    residual, rest = left([4.0, 0.0, 0.0, 0.0])
+    mean = Structure(np.ones(4), 0.1 * np.ones(4), {CONSTANT: np.full(4, 0.6)},
+                     {CONSTANT: np.full(4, 0.01)}, np.zeros((4, 4)), np.ones((4, 4)))
+    (found,) = mostly_structure(declared_model().robot, residual, rest, (), (mean, mean), 900)
+    assert found.variables == ('time',)
 
 
 @pytest.mark.parametrize('named', [finding(UNKNOWN, 0), finding('load_change', 0, 'run 1')])

@@ -20,17 +20,26 @@ def _limits(picture):
 def _draw_effect(figure, picture):
     axes = figure.subplots()
     axes.axhline(0.0, color='0.6', linewidth=0.8)
-    if np.any(picture.curve):
+    if picture.fitted:
         _draw_fit(axes, picture)
     else:
-        axes.plot(picture.x, picture.mean, '.', color='0.15', markersize=3.0,
-                  label='what is left; nothing was fitted')
+        _draw_left(axes, picture)
     axes.set_ylim(*_limits(picture))
     axes.set_title(picture.joint, parse_math=False, fontsize='medium')
     axes.set_xlabel(picture.variable, parse_math=False)
     axes.set_ylabel('residual torque [Nm]')
     axes.locator_params(axis='x', nbins=6)
     figure.legend(loc='outside lower center', frameon=False, fontsize='small')
+
+
+def _draw_left(axes, picture):
+    if np.any(picture.std):
+        axes.errorbar(picture.x, picture.mean, 2.0 * np.asarray(picture.std), fmt='o',
+                      color='0.15', markersize=3.0, elinewidth=0.9,
+                      label='what is left, ±2 standard errors; nothing was fitted')
+    else:
+        axes.plot(picture.x, picture.mean, '.', color='0.15', markersize=3.0,
+                  label='what is left; nothing was fitted')
 
 
 def _draw_fit(axes, picture):

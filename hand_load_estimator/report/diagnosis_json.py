@@ -26,6 +26,7 @@ def _evidence(evidence):
             'needed': _number(evidence.needed), 'blocks': int(evidence.blocks),
             'hypotheses': int(evidence.hypotheses), 'rms': _number(evidence.rms),
             'next_best': evidence.next_best, 'margin': _number(evidence.margin),
+            'next_best_possible': None if evidence.next_best is None else evidence.next_possible,
             'by_joint': {j: _number(gain) for j, gain in evidence.by_joint.items()}}
 
 

@@ -12,9 +12,9 @@ from .page_parts import html_image, html_table
 from .words import (as_sentence, behind_text, items_html, label_html, list_text, name_words,
                     number_text, quantity_html, share_text)
 
-_UNKNOWN = ('None of the effects in this tool\'s vocabulary fits. The torque error is not noise: '
-            'it repeats with the variables shown below. A person who knows the drive should look '
-            'at the picture before anything is added to the model.')
+_UNKNOWN = ('None of the effects in this tool\'s vocabulary fits, and the torque error is not '
+            'noise. A person who knows the drive should look at the picture before anything is '
+            'added to the model.')
 
 
 def where(finding, joints):
@@ -93,9 +93,12 @@ def _searched(finding):
 
 def _pictures(finding):
     images = [html_image(effect_svg(p), f'Residual torque of {p.joint} in Nm against '
-                         f'{p.variable}, with the fitted effect and its 95 % band')
-              for p in finding.pictures]
+                         f'{p.variable}, {_drawn(p)}') for p in finding.pictures]
     return f'<div class="pictures">{"".join(images)}</div>' if images else ''
+
+
+def _drawn(picture):
+    return 'with the fitted effect and its 95 % band' if picture.fitted else 'nothing fitted'
 
 
 def _gain(finding):
@@ -109,8 +112,16 @@ def _gain(finding):
     return (
         'On data not used for its fit the model with it gains '
         f'<strong>{number_text(e.gain)} ± {number_text(2.0 * e.gain_std)} nats</strong> of '
-        f'log-likelihood (± 2 standard errors over {e.blocks} blocks). Needed: '
+        f'log-likelihood (± 2 standard errors over {e.blocks} blocks'
+        f'{_shape_chosen(finding)}). Needed: '
         f'{number_text(e.needed)} nats, with {e.hypotheses} hypotheses tried.')
+
+
+def _shape_chosen(finding):
+    """Return that the gain is a little too high, where it was itself what chose a shape."""
+    effect = EFFECTS.get(finding.name)
+    shaped = effect is not None and effect.shapes
+    return '; the shape of the formula was chosen by the same gain' if shaped else ''
 
 
 def _evidence(finding, joints):
@@ -131,7 +142,9 @@ def _evidence(finding, joints):
     rival = 'Nothing that it was compared with explains anything beside what was found.'
     if e.next_best is not None:
         behind = f', {behind_text(e.margin)}' if e.margin is not None else ''
-        rival = f'Next best explanation: {escape(name_words(e.next_best))}{behind}.'
+        refused = '' if e.next_possible else \
+            '; with the figures that fit it is impossible or too small to matter'
+        rival = f'Next best explanation: {escape(name_words(e.next_best))}{behind}{refused}.'
     return '<h3>Evidence</h3>' + items_html([
         _gain(finding), rival,
         f'Share of the residual\'s variance it explains: {list_text(shares)}. '

@@ -28,6 +28,11 @@ class Picture:
     low: np.ndarray
     high: np.ndarray
 
+    @property
+    def fitted(self):
+        """Whether there is a fitted effect to draw."""
+        return bool(np.any(self.curve))
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -37,7 +42,8 @@ class Evidence:
     gain, gain_std [nats]: held-out log-likelihood gained and its standard error over blocks;
     needed [nats]: what had to be gained, corrected for the hypotheses tried; blocks; hypotheses;
     rms [Nm]: torque of the effect at its strongest joint; next_best: the runner-up's name (or
-    None) and margin [nats] over it; by_joint {name: nats}: gain at each joint that it moves.
+    None) and margin [nats] over it; by_joint {name: nats}: gain at each joint that it moves;
+    next_possible: physics allows the runner-up with the figures that fit, and it matters.
     """
 
     gain: float
@@ -49,6 +55,7 @@ class Evidence:
     next_best: str | None = None
     margin: float | None = None
     by_joint: dict = field(default_factory=dict)
+    next_possible: bool = True
 
 
 @dataclass(frozen=True)

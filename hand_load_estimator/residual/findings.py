@@ -145,7 +145,7 @@ def _evidence(joints, trace, step, torque):
     return Evidence(float(chosen.gain), float(chosen.std), float(step.needed),
                     trace.residual.observations, trace.trials, rms, rival and rival.name,
                     rival and float(chosen.gain - rival.gain),
-                    {joints[j]: gain for j, gain in by_joint.items()})
+                    {joints[j]: gain for j, gain in by_joint.items()}, step.next_possible)
 
 
 def separating_motion(residual, chosen, alternatives):

@@ -4,11 +4,14 @@ import numpy as np
 
 from ..effects import EFFECTS
 from .diagnosis import UNKNOWN, Picture
+from .tracing.plain_functions import VARIABLES
 
-BINS, FEWEST = 24, 15
+BINS, FEWEST, FEWEST_BINS = 24, 15, 4
 # Effects of friction are drawn as torque along the motion: both directions would cancel.
 _LOAD = 'size of gear torque'
 _ALONG = ('temperature', _LOAD)
+_UNITS = {'velocity': 'rad/s', 'position': 'rad', 'acceleration': 'rad/s^2', 'gear torque': 'Nm',
+          'drive torque': 'Nm', 'rate of torque': 'Nm/s', 'drive torque times warmth': 'Nm K'}
 # A dip at reversals is drawn over so many travels, more where few samples are in them, and nearer
 # than so much of one the joint is at rest.
 _TRAVELS, _RESTS = 4.0, 0.05
@@ -31,27 +34,39 @@ def picture(robot, residual, partial, hypothesis, score, joint):
         rows = _near_reversals(values, hypothesis.shape['presliding_distance'])
     else:
         rows = residual.moving[:, joint] | (against == 'time')
-    edges = np.unique(np.quantile(values[rows], np.linspace(0.0, 1.0, BINS + 1))) \
-        if rows.sum() > FEWEST * 4 else np.zeros(0)
-    made = [_bin(values, partial, curve, columns, score, rows & (values >= a) & (values <= b))
-            for a, b in zip(edges[:-1], edges[1:])]
-    made = [row for row in made if row is not None]
-    if len(made) < 4:
+    made = bins(values, rows, lambda own: _bin(values, partial, curve, columns, score, own))
+    if len(made) < FEWEST_BINS:
         return None
     x, mean, error, middle, spread = (np.array(column) for column in zip(*made))
     return Picture(robot.joints[joint], label, x, mean, error, middle, middle - 1.96 * spread,
                    middle + 1.96 * spread)
 
 
-def _bin(values, partial, curve, columns, score, rows):
+def bins(values, rows, of):
+    """Return [of(rows of a bin)] for bins of as many samples each, without what is None."""
+    edges = np.unique(np.quantile(values[rows], np.linspace(0.0, 1.0, BINS + 1))) \
+        if rows.sum() > FEWEST * 4 else np.zeros(0)
+    made = [of(rows & (values >= a) & (values <= b)) for a, b in zip(edges[:-1], edges[1:])]
+    return [row for row in made if row is not None]
+
+
+def means_of(values, partial, rows):
+    """Return the means of values and partial and the latter's standard error; None of few."""
     count = int(rows.sum())
     if count < FEWEST:
         return None
-    average = columns[rows].mean(axis=0)
     # Neighbouring samples share their noise: a fifth of them counts.
     error = partial[rows].std() / np.sqrt(max(count / 5.0, 1.0))
-    return (values[rows].mean(), partial[rows].mean(), error, curve[rows].mean(),
-            np.sqrt(max(average @ score.covariance @ average, 0.0)))
+    return values[rows].mean(), partial[rows].mean(), error
+
+
+def _bin(values, partial, curve, columns, score, rows):
+    means = means_of(values, partial, rows)
+    if means is None:
+        return None
+    average = columns[rows].mean(axis=0)
+    spread = np.sqrt(max(average @ score.covariance @ average, 0.0))
+    return *means, curve[rows].mean(), spread
 
 
 def _near_reversals(values, distance):
@@ -91,12 +106,15 @@ def _variable(robot, residual, hypothesis, j, against):
         return travel(x.q[:, j]), 'travel since reversal [rad]'
     if against == 'time':
         return residual.time - residual.time.min(), 'time [s]'
-    values, unit = {'velocity': (x.v, 'rad/s'), 'position': (x.q, 'rad'),
-                    'acceleration': (x.a, 'rad/s^2'), 'gear torque': (x.gear, 'Nm'),
-                    'drive torque': (x.drive, 'Nm'), 'rate of torque': (x.rate, 'Nm/s'),
-                    'drive torque times warmth': (
-                        None if x.drive is None else x.drive * x.warmth, 'Nm K')}[against]
-    return values[:, j], f'{against} [{unit}]'
+    if against == 'drive torque times warmth':
+        return x.drive[:, j] * x.warmth[:, j], axis_label(against)
+    name = {'drive torque': 'drive', 'rate of torque': 'rate', **VARIABLES}[against]
+    return getattr(x, name)[:, j], axis_label(against)
+
+
+def axis_label(variable):
+    """Return a variable with its unit."""
+    return f'{variable} [{_UNITS[variable]}]'
 
 
 def travel(q):

@@ -6,8 +6,9 @@ import numpy as np
 
 from ..diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from ..measured.rest import rest_of
+from ..measured.structure import CONSTANT
+from ..pictures_left import pictures_left
 from .not_named import not_named
-from .unknown import strongest
 
 # Share of the variance that is surely structure, after everything found.
 SHARE = 0.5
@@ -30,11 +31,12 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
     found = []
     for j, name in enumerate(robot.joints):
         if left.least_structure[j] > SHARE and name not in told:
-            variables = tuple(what for what, _ in follows[j]) or ('time',)
+            # That it has a mean is no dependence.
+            variables = tuple(what for what, _ in follows[j] if what != CONSTANT) or ('time',)
             found.append(Finding(
                 UNKNOWN, (name,), {}, np.zeros(robot.n),
                 replace(chance, rms=float(left.rms[j])), (),
                 'no effect of the vocabulary fits; what is left is mostly structure and depends '
                 f'on {", ".join(variables)}', False, SUSPECTED,
-                (strongest(robot, residual, rest, j),), variables))
+                pictures_left(robot, residual, rest, j, variables), variables))
     return tuple(found)

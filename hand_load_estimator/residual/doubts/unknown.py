@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding, Picture
+from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
 from ..measured.rhythm import rhythm
 from ..measured.structure import followed
+from ..pictures_left import pictures_left
 from ..tracing.trace import UNKNOWN_FACTOR
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
@@ -83,16 +84,5 @@ def _finding(model, residual, rest, joints, variable, evidence):
     return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
                    replace(evidence, rms=rms), (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   SUSPECTED, (strongest(model.robot, residual, rest, joints[0]),), (variable,))
-
-
-def strongest(robot, residual, rest, j):
-    """Return a Picture of the strongest ten seconds of what is left of joint j."""
-    time = np.cumsum(residual.dt)
-    width = max(8, int(10.0 / np.median(residual.dt)))
-    energy = np.convolve(rest[:, j] ** 2, np.ones(width), 'valid')
-    first = int(np.argmax(energy)) if len(energy) else 0
-    rows = slice(first, first + width)
-    zero = np.zeros(len(rest[rows]))
-    return Picture(robot.joints[j], 'time [s]', time[rows] - time[rows][0], rest[rows, j],
-                   zero, zero, zero, zero)
+                   SUSPECTED, pictures_left(model.robot, residual, rest, joints[0], (variable,)),
+                   (variable,))

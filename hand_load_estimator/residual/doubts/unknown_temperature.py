@@ -6,8 +6,9 @@ import numpy as np
 
 from ...effects import NEEDS_TEMPERATURE
 from ..diagnosis import SUSPECTED, UNKNOWN
+from ..pictures_left import pictures_left
 from ..tracing.trace import UNEXPECTED
-from .unknown import rms_of, strongest
+from .unknown import rms_of
 
 
 def lacks_temperature(model, evidence):
@@ -55,4 +56,5 @@ def _of(finding, robot, joints, residual, rest):
     rms = rms_of(rest, residual.moving)[joints]
     return replace(finding, joints=tuple(robot.joints[j] for j in joints),
                    evidence=replace(finding.evidence, rms=float(rms.max())),
-                   pictures=(strongest(robot, residual, rest, joints[int(rms.argmax())]),))
+                   pictures=pictures_left(robot, residual, rest, joints[int(rms.argmax())],
+                                          finding.variables))

@@ -79,7 +79,8 @@ class Step:
     One accepted Candidate.
 
     alternatives: Candidates that the blocks cannot tell from it; next_best: the runner-up;
-    needed [nats]; expected: the model says to expect as much, so that it is nothing new.
+    needed [nats]; expected: the model says to expect as much, so that it is nothing new;
+    next_possible: physics allows the runner-up as it was fitted.
     """
 
     chosen: Candidate
@@ -87,6 +88,7 @@ class Step:
     next_best: Candidate | None
     needed: float
     expected: bool = False
+    next_possible: bool = True
 
 
 def single(hypothesis, score):
