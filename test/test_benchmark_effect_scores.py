@@ -53,6 +53,21 @@ def test_totals_and_goals_are_judged_on_the_figures():
     assert not verdicts(slow)[-1][3]
 
 
+def test_pairs_and_effects_on_all_joints_have_errors_and_goals_of_their_own():
+    both = [('time_delay', (JOINT,)), ('torque_scale', (JOINT,))]
+    cases_ = [result(both, [], kind, torque=(8.0, after), mass=(1.0, 0.25))
+              for kind, after in (('pair', 1.1), ('same_joint', 1.2))]
+    (row,) = pair_rows(cases_)
+    assert row['errors'] == {'torque': {'before': 8.0, 'after': 1.1}, 'seconds': 100.0,
+                             'mass': pytest.approx({'3 s': 1.25, 'end': 1.25})}
+    told = [row for row in verdicts(totals(cases_)) if row[0].startswith('two effects at once')]
+    assert [(value[:6], reached) for _, _, value, reached in told] == [
+        ('50.0 %', False), ('100.0 ', True), ('100.0 ', True)]
+    assert '| 8.00 -> 1.10 | 1.25, 1.25 | 100 |' in effects_markdown(cases_, 'command', 'commit')
+    failed = {**cases_[0], 'failed': 'ValueError: broke'}
+    assert pair_rows([failed])[0]['errors'] is None and not totals([failed])['together']
+
+
 def test_the_share_of_false_findings_is_told_and_judges_nothing():
     """Of what is confirmed on any case: one in place of another, one on a clean plant."""
     assert totals(results())['confirmed'] == [5, 2]

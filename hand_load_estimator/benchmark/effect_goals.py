@@ -36,6 +36,8 @@ def verdicts(total):
                  share_text(false, confirmed), None) if confirmed else None)
     if total['ratios']:
         rows += [*_torque(total), *_mass(total), *_mass_per_case(total)]
+    if total['together']:
+        rows += _together(total['together'])
     if total['seconds']:
         worst = max(total['seconds'])
         rows.append(('seconds per diagnosis, median and longest', f'<= {SECONDS_GOAL:g}',
@@ -64,13 +66,28 @@ def beyond(total, figure, goal):
 
 
 def _every(what, total, figure, goal):
-    """Return the row of a goal that each case has to reach by itself."""
+    """Return the row of a goal that each single case has to reach by itself."""
     after, before = ([case[figure][when] for case in total['ratios']]
                      for when in ('after', 'before'))
-    cases, within = len(after), len(after) - len(beyond(total, figure, goal))
-    value = (f'{share_text(within, cases)}; median {np.median(after):.2f} x, worst '
-             f'{max(after):.2f} x; median before {np.median(before):.2f} x')
-    return what, EVERY, value, within == cases
+    what, wanted, value, reached = _each(what, after, goal)
+    return what, wanted, f'{value}; median before {np.median(before):.2f} x', reached
+
+
+def _each(what, after, goal):
+    """Return the row of a goal that each of some ratios has to reach by itself."""
+    within = sum(ratio <= goal for ratio in after)
+    return (what, EVERY, f'{share_text(within, len(after))}; median {np.median(after):.2f} x, '
+            f'worst {max(after):.2f} x', within == len(after))
+
+
+def _together(errors):
+    """Return the rows of cases of two effects, or of one on all joints."""
+    of = 'two effects at once, or one of the same size on all joints'
+    return [_each(f'{of}: torque error within {TORQUE_GOAL:g} x of no effect',
+                  [case['torque']['after'] for case in errors], TORQUE_GOAL),
+            *(_each(f'{of}: mass RMSE, {moment}, within {MASS_GOAL:g} x of no effect',
+                    [case['mass'][moment] for case in errors], MASS_GOAL)
+              for moment in errors[0]['mass'])]
 
 
 def _torque(total):

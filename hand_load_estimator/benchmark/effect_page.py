@@ -13,6 +13,7 @@ _NONE = '-'
 # Share of a joint's rows in motion below which a case is named.
 MOST_ROWS = 0.8
 _CASE = ('effect', 'strength', 'joint', 'plant', 'outcome')
+_ERRORS = ('torque, x no effect', 'mass after, 3 s and end, x', 's')
 _KNOWN = (
     'What is left where the effect is known: the first model\'s error of the torque that the arm '
     'would report along the same true motion without the effect, carried through gains and '
@@ -47,10 +48,12 @@ def effects_markdown(results, command, commit, cases=()):
         'from recordings of it without the effect; then the effect is hidden in it, the tool told '
         f'nothing, and {seconds:.0f} s of no-load recordings are diagnosed. Errors are on other '
         f'recordings: torque without load, mass by `bayes` on {LOADED} runs with random known '
-        'loads. Ratios are over the same plant without the effect, seen through its first model. '
+        'loads (no other parameter, no other method). Ratios are over the same plant without '
+        'the effect, seen through its first model. '
         'A torque ratio is that of the joint where it is largest.', _KNOWN + _judged(ran),
-        f'Command: `{command}`, commit {commit}. Seconds are wall clock of one process among as '
-        'many as there are cores.',
+        f'Command: `{command}`, commit {commit}. Seconds are wall clock of the diagnosis alone, '
+        'after recordings were read and filtered, in one process among as many as there are '
+        'cores.',
         markdown_table(['goal', 'wanted', 'measured', 'reached'], [
             [what, goal, value, {True: 'yes', False: '**no**', None: _NONE}[good]]
             for what, goal, value, good in verdicts(total)]),
@@ -183,20 +186,25 @@ def _confusion_table(results):
 
 
 def _pair_table(rows):
-    return markdown_table(['plant', 'hidden', 'joints', 'outcome', 'false beside'], [
+    return markdown_table(['plant', 'hidden', 'joints', 'outcome', 'false beside', *_ERRORS], [
         [str(row['plant']), ', '.join(f'`{name}`' for name in row['names']),
          ', '.join(dict.fromkeys(row['joints'])), ', '.join(row['outcomes']),
-         ', '.join(row['false']) or _NONE] for row in rows])
+         ', '.join(row['false']) or _NONE, *_one_error(row['errors'])] for row in rows])
 
 
 def _common_table(results):
-    head = ['plant', 'hidden', 'strength', 'outcome', 'false beside', 'torque, x no effect',
-            'mass after, 3 s and end, x']
-    return markdown_table(head, [
+    return markdown_table(['plant', 'hidden', 'strength', 'outcome', 'false beside', *_ERRORS], [
         [str(row['plant']), f'`{row["name"]}`', f'{row["strength"]:g}', row['outcome'],
-         ', '.join(row['false']) or _NONE, _arrow(row['torque'], 2),
-         ', '.join(f'{ratio:.2f}' for ratio in row['mass'].values())]
+         ', '.join(row['false']) or _NONE, *_one_error(row['errors'])]
         for row in common_rows(results)])
+
+
+def _one_error(errors):
+    if errors is None:
+        return [_NONE] * len(_ERRORS)
+    return [_arrow(errors['torque'], 2),
+            ', '.join(f'{ratio:.2f}' for ratio in errors['mass'].values()),
+            f'{errors["seconds"]:.0f}']
 
 
 def _left_out(results):

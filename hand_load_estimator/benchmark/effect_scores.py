@@ -135,14 +135,22 @@ def confusions(results):
 
 
 def pair_rows(results, kind=PAIR):
-    """Return a row per pair of a kind: names, joints, outcomes, false findings."""
+    """Return a row per pair of a kind: names, joints, outcomes, false findings, errors."""
     rows = []
     for result in _of_kind(tried(results), kind):
         effects, false = judge(result)
         rows.append({'plant': result['plant'], 'names': [e['name'] for e in effects],
                      'joints': [joint for e in result['effects'] for joint in e['joints']],
-                     'outcomes': [e['outcome'] for e in effects], 'false': false})
+                     'outcomes': [e['outcome'] for e in effects], 'false': false,
+                     'errors': None if 'failed' in result else _one_error(result)})
     return rows
+
+
+def _one_error(result):
+    """Return a measured case's torque ratios, mass ratios after it, and seconds."""
+    return {'torque': {when: torque_ratio(result, when) for when in ('before', 'after')},
+            'mass': {moment: mass_ratio([result], 'after', moment) for moment in MASS_MOMENTS},
+            'seconds': result['seconds']}
 
 
 def common_rows(results):
@@ -151,9 +159,7 @@ def common_rows(results):
     for result in _of_kind(measured(results), COMMON):
         (effect,), false = judge(result)
         rows.append({'plant': result['plant'], **effect, 'false': false,
-                     'torque': {when: torque_ratio(result, when) for when in ('before', 'after')},
-                     'mass': {moment: mass_ratio([result], 'after', moment)
-                              for moment in MASS_MOMENTS}})
+                     'errors': _one_error(result)})
     return rows
 
 
@@ -187,6 +193,8 @@ def totals(results):
         'false_beside': sum(len(judge(r)[1]) for r in effects
                             if judge(r)[0][0]['outcome'] in RIGHT),
         'ratios': [_ratios(r) for r in ran],
+        'together': [_one_error(r) for r in measured(results)
+                     if r['kind'] in (PAIR, SAME_JOINT, COMMON)],
         'mass': {moment: mass_ratio(ran, 'after', moment) for moment in MASS_MOMENTS}
         if ran else {},
         'mass_before': {moment: mass_ratio(ran, 'before', moment) for moment in MASS_MOMENTS}
