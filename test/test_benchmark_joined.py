@@ -44,7 +44,8 @@ def test_wrong_choices_are_refused_at_once(options, match, tmp_path):
     ('changes,cost', {'rivals': ('figaroh',)}, 'figaroh.*accuracy suites and real'),
     ('base,arms', {'hours': 2.0}, '2.0.*changes and soak'),
     ('soak', {'data': 'elsewhere'}, 'elsewhere.*real'),
-    ('real,cost', {'cases': 8}, '8.*all suites but')])
+    ('real,cost', {'cases': 8}, '8.*all suites but'),
+    ('real', {'learned': 'trained'}, 'trained.*all suites but real')])
 def test_what_no_suite_asks_is_refused(suites, unasked, allowed, tmp_path, monkeypatch):
     monkeypatch.setattr(offline, '_identify', lambda name: None)
     (option,) = unasked

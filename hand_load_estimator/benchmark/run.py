@@ -230,8 +230,8 @@ def run_suites(suites, options, folder, command, write=print):
     all runs that are there, of this call or of others. The page is the suite's where it is one.
     """
     names, out = suite_names(suites), Path(folder)
-    options = _checked(options, out)
     _refuse_unasked(names, options)
+    options = _checked(options, out)
     pages, failed = [], {}
     for name in names:
         write(f'suite {name}')
@@ -254,6 +254,7 @@ def _refuse_unasked(names, options):
             ('cases', every - {'real', 'cost', 'soak'}, 'all suites but real, cost and soak'),
             ('rivals', every - {*OTHERS} | {'real'}, 'the accuracy suites and real'),
             ('hours', {'changes', 'soak'}, 'changes and soak'),
+            ('learned', every - {'real'}, 'all suites but real, whose arms it is not of'),
             ('data', {'real'}, 'real')):
         value = getattr(options, option)
         if value != getattr(Options, option) and suites.isdisjoint(names):

@@ -31,7 +31,8 @@ class Suite:
 
     about: a sentence for the page; draw(robot, plant, seed) -> Case; count: cases unless told;
     plants: of that count; plant_seeds, case_seeds: ranges; recorded, told: as of
-    identification_evidence, told of the cases too.
+    identification_evidence, told of the cases too; final_plants, final_cases: seeds of runs of
+    more cases than count.
     """
 
     about: str
@@ -42,6 +43,8 @@ class Suite:
     case_seeds: range = seeds.BENCHMARK_CASES
     recorded: tuple | None = None
     told: bool = True
+    final_plants: range = seeds.FINAL_PLANTS
+    final_cases: range = seeds.FINAL_CASES
 
 
 def draw_wide_case(robot, plant, seed):
@@ -97,7 +100,9 @@ SUITES = {
                      draw_wide_case),
     'undeclared': Suite('one hidden effect of strength 2 since the identification (where no '
                         'joint of the arm can have it so strong, the next one)',
-                        draw_undeclared_case, CASES_PER_EFFECT * len(UNDECLARED))}
+                        draw_undeclared_case, CASES_PER_EFFECT * len(UNDECLARED),
+                        final_plants=seeds.FINAL_UNDECLARED_PLANTS,
+                        final_cases=seeds.FINAL_UNDECLARED_CASES)}
 
 
 def cases_of(suite, count=None, development=False):
@@ -113,7 +118,7 @@ def cases_of(suite, count=None, development=False):
     if development:
         plants, own = seeds.DEVELOPMENT_PLANTS[50:], seeds.DEVELOPMENT_CASES
     elif count > suite.count and own == seeds.BENCHMARK_CASES:
-        plants, own = seeds.FINAL_PLANTS, seeds.FINAL_CASES
+        plants, own = suite.final_plants, suite.final_cases
     # A plant's identification costs as much as several cases: few cases share one.
     many = min(many, -(-count // CASES_PER_PLANT), len(plants))
     each = -(-count // many)

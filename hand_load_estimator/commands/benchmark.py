@@ -36,7 +36,7 @@ def add_arguments(parser):
                         help='robot file (default: ur10e)')
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact, or the name of a shipped one (default: the one '
-                             'shipped for the robot); not for effects')
+                             'shipped for the robot); not for real and effects')
     parser.add_argument('--cases', default=None, type=number(1, kind=int), metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
                              'undeclared, 12 of suggestion, 8 of pushes, 40 of others); from '
