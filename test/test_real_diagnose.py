@@ -8,10 +8,12 @@ import warnings
 import pytest
 from ros_helpers import ROOT
 
-from hand_load_estimator.benchmark.real_sets import SETS
+from hand_load_estimator.benchmark.real_robots import ARMS, write_robot_file
+from hand_load_estimator.benchmark.real_sets import SETS, stage
 from hand_load_estimator.cli import main
 
-DATA = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data')) / 'ur10e'
+SETS_FOLDER = Path(os.environ.get('HAND_LOAD_DATA', ROOT.parent / 'shared' / 'data'))
+DATA = SETS_FOLDER / 'ur10e'
 UNLOADED = ('ident_20_02_05-20sec_8harm', 'ident_20_02_06-20sec_10harm', 'ident_20_01_31-unload')
 PUSHES = 'push_20_01_22-push_pose_{}'
 
@@ -73,3 +75,23 @@ def test_a_joint_that_is_shaken_has_no_error(model, tmp_path):
     known = [error is not None for error in report['before']['torque_rmse']]
     assert status == 0 and known == [False, True, False, False, False, False]
     assert any('elbow_joint' in s and 'never moves' in s for s in report['cannot_tell'])
+
+
+@pytest.mark.skipif(not (SETS_FOLDER / 'nist_ur5').is_dir(), reason=f'no UR5 at {SETS_FOLDER}')
+def test_no_effect_of_temperature_is_named_where_nothing_warms(tmp_path):
+    """The UR5's joints warm by less than a degree in the run."""
+    chosen = SETS['nist_ur5']
+    train, test = stage(chosen, SETS_FOLDER / 'nist_ur5', tmp_path / 'runs')
+    robot = write_robot_file('nist_ur5', SETS_FOLDER, tmp_path) if chosen.robot in ARMS \
+        else chosen.robot
+    base, out = tmp_path / 'base.yaml', tmp_path / 'out'
+    assert main(['identify', *map(str, train), '--robot', str(robot), '--effects',
+                 ','.join(chosen.effects), '--out', str(base)]) == 0
+    assert main(['diagnose', *map(str, train), '--model', str(base), '--out', str(out),
+                 '--test', *map(str, test)]) == 0
+    report = json.loads((out / 'report.json').read_text())
+    names = {effect['name'] for effect in report['effects']}
+    assert not [name for name in names if 'temperature' in name]
+    assert any('temperature' in sentence for sentence in report['cannot_tell'])
+    sure = {effect['name'] for effect in report['effects'] if effect['verdict'] == 'confirmed'}
+    assert sure <= {'torque_ripple'}
