@@ -90,13 +90,18 @@ def finding(joints, explained):
                    CONFIRMED)
 
 
+def as_before(n, without=1.0, beside=1.5):
+    """Return what tells of any finding that without it errors were as before."""
+    return lambda k: (np.full(n, without), np.full(n, beside))
+
+
 @pytest.mark.parametrize('joints, explained, verdict', [
     (('elbow',), [0.0, 0.0], SUSPECTED), (('elbow',), [0.9, 0.1], SUSPECTED),
     (('pan',), [0.0, 0.0], CONFIRMED), (('pan', 'elbow'), [0.1, 0.4], SUSPECTED)])
 def test_what_made_its_own_joint_worse_is_suspected(joints, explained, verdict):
     """An effect that explains nothing is not taken for the first joint's."""
     (found,), told = refuted((finding(joints, explained),), ('pan', 'elbow'),
-                             np.array([1.0, 1.0]), np.array([0.5, 1.5]))
+                             np.array([1.0, 1.0]), np.array([0.5, 1.5]), as_before(2))
     assert found.verdict == verdict
     if verdict == SUSPECTED:
         assert len(told) == 1 and 'only suspected' in told[0]
@@ -128,22 +133,39 @@ def test_what_makes_its_joint_worse_where_nothing_was_fitted_is_suspected():
              found('external_contact', 1, recording='run'), found('unknown', 1),
              found('backlash', 2))
     kept, told = refuted(given, ('j0', 'j1', 'j2'), np.array([1.0, 1.0, np.nan]),
-                         np.array([0.5, 1.2, np.nan]))
+                         np.array([0.5, 1.2, np.nan]), as_before(3))
     assert [f.verdict for f in kept] == ['confirmed', 'suspected', 'suspected', 'confirmed',
                                          'confirmed', 'confirmed']
     assert len(told) == 1 and told[0].startswith('j1: backlash') and '1.2 Nm' in told[0]
 
 
+@pytest.mark.parametrize('without, verdict', [(1.45, SUSPECTED), (1.48, CONFIRMED)])
+def test_what_would_be_as_bad_without_an_effect_is_not_its_fault(without, verdict):
+    asked = []
+
+    def of(k):
+        asked.append(k)
+        return as_before(2, without)(k)
+    given = (finding(('pan',), [0.9, 0.0]), finding(('elbow',), [0.0, 0.9]))
+    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.5]), of)
+    assert [f.verdict for f in kept] == [CONFIRMED, verdict] and asked == [1]
+    assert told[0].startswith('elbow: ') and ('would not without it' in told[0]) == (
+        verdict == SUSPECTED)
+
+
 def test_a_joint_that_got_worse_though_nothing_acts_there_is_told():
     given = (finding(('pan',), [0.9, 0.0]),)
-    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.03]))
+    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.03]),
+                         as_before(2))
     assert kept == given and len(told) == 1
     assert told[0].startswith('elbow: the error') and 'from 1 to 1.03 Nm' in told[0]
-    assert refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.01]))[1] == ()
+    assert refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.01]),
+                   as_before(2))[1] == ()
 
 
 def test_a_joint_that_an_effect_of_several_made_worse_is_told():
     given = (finding(('pan', 'elbow'), [0.9, 0.1]),)
-    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.7]))
+    kept, told = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.7]),
+                         as_before(2))
     assert kept == given and len(told) == 1
     assert told[0].startswith('elbow: ') and 'though torque_ripple was found there too' in told[0]

@@ -7,6 +7,7 @@ import numpy as np
 from ..files.recording_mark import refuse_repeats
 from ..identification.clipped_effort import clipped_efforts
 from ..torque.sliding import sliding_rms
+from .add import better_model
 from .correction import offered, with_correction
 from .diagnosis import Diagnosis
 from .doubts.another_robot import refuse_another_robot
@@ -108,7 +109,8 @@ def _found(model, ex, names, errors):
     once, gone = findings_again(model.robot, names, ex.outside.shown, ex.seen, odd)
     findings = findings_of(model, better, trace, odd) + once \
         + unknown_left(model, ex.residual, ex.rest, left, trace)
-    findings, doubts = refuted(findings, joints, *errors)
+    findings, doubts = refuted(findings, joints, *errors,
+                               lambda k: _errors_without(model, ex, trace.steps[k]))
     findings, kinds = of_another_kind(findings, ex.residual.interval,
                                       faint_in(model, better, trace))
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
@@ -118,6 +120,12 @@ def _found(model, ex, names, errors):
     if ex.residual.cut.shown is not None:
         findings = only_suspected(findings)
     return findings, wrong + kinds + unsure + small + further + doubts + gone
+
+
+def _errors_without(model, ex, step):
+    """Return RMSE (n,) [Nm] on the test of a model without a Step, and of the better one."""
+    other = better_model(model, [own for own in ex.steps if own is not step], ex.evidence)
+    return _errors(other, ex.better, ex.test)[:2]
 
 
 def _errors(model, better, test):

@@ -27,7 +27,7 @@ class Explanation:
 
     whole: Residual of the whole recordings by the model diagnosed; outside: Outside left out;
     evidence, test: Evidence fitted and tested on; residual: of evidence by the model diagnosed;
-    still: {joint index: why it tells nothing}; warmed: indices of joints whose temperature changed
+    steps: what the better model has; still: {joint index: why it tells nothing}; warmed: indices of joints whose temperature changed
     enough, and sentences on the others; rest (N, n) [Nm]: what the trace leaves; old, better:
     TorqueModels to compare with, and with what was found; refitted: whether old was fitted
     without the test; seen: Residual of the whole recordings by the better model and Disturbances
@@ -39,6 +39,7 @@ class Explanation:
     evidence: tuple
     test: tuple
     residual: Residual
+    steps: tuple
     still: dict
     warmed: tuple
     trace: Trace
@@ -106,8 +107,8 @@ def _explained(model, recordings, whole, outside, test, progress):
     # its own recordings it is an average.
     steps = trace.steps if own else [*trace.steps, *trace.drifted]
     old, better = _models(model, steps, evidence, misled, refitted)
-    return Explanation(whole, outside, evidence, tested, residual, still, warmed, trace,
-                       left_over(model.robot, trace.blocks), old, better, refitted, ())
+    return Explanation(whole, outside, evidence, tested, residual, tuple(steps), still, warmed,
+                       trace, left_over(model.robot, trace.blocks), old, better, refitted, ())
 
 
 def _traced(model, residual, warmed, own, progress):
