@@ -142,10 +142,11 @@ def test_page_says_why_a_rival_close_behind_is_no_alternative():
 
 
 def test_page_says_where_the_gain_chose_a_shape():
-    rippled, linear = (dataclasses.replace(found().findings[0], name=name)
-                       for name in ('torque_ripple', 'torque_offset'))
     chosen = 'the shape of the formula was chosen by the same gain'
-    for finding, told in ((rippled, True), (linear, False)):
+    # The knee of the last is estimated.
+    for name, told in (('torque_ripple', True), ('torque_offset', False),
+                       ('temperature_dependent_viscous_friction', False)):
+        finding = dataclasses.replace(found().findings[0], name=name, parameters={})
         page = diagnosis_page.page(dataclasses.replace(found(), findings=(finding,)))
         assert (chosen in page) == told
 

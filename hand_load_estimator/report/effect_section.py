@@ -120,7 +120,8 @@ def _gain(finding):
 def _shape_chosen(finding):
     """Return that the gain is a little too high, where it was itself what chose a shape."""
     effect = EFFECTS.get(finding.name)
-    shaped = effect is not None and effect.shapes
+    # A knee is estimated with the parameters.
+    shaped = effect is not None and any(shape is not KNEE for shape in effect.shapes)
     return '; the shape of the formula was chosen by the same gain' if shaped else ''
 
 

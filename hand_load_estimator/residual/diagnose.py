@@ -42,9 +42,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     """
     Return (Diagnosis, better TorqueModel) of a TorqueModel and Evidence (evidence.prepare).
 
-    test: Evidence that is used for nothing but the errors before and after, and to say whether it
-    is of the same arm; without any, the last quarter of every recording. Raises RecordingError
-    where nothing can be told, and for recordings given twice.
+    test: Evidence that is used for nothing but the errors before and after, what they say against
+    an effect (refuted), and whether it is of the same arm; without any, the last quarter of every
+    recording. Raises RecordingError where nothing can be told, and for recordings given twice.
     """
     began = time.monotonic()
     refuse_repeats(evidence, test)

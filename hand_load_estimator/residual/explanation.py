@@ -27,11 +27,11 @@ class Explanation:
 
     whole: Residual of the whole recordings by the model diagnosed; outside: Outside left out;
     evidence, test: Evidence fitted and tested on; residual: of evidence by the model diagnosed;
-    steps: what the better model has; still: {joint index: why it tells nothing}; warmed: indices of joints whose temperature changed
-    enough, and sentences on the others; rest (N, n) [Nm]: what the trace leaves; old, better:
-    TorqueModels to compare with, and with what was found; refitted: whether old was fitted
-    without the test; seen: Residual of the whole recordings by the better model and Disturbances
-    in it; unused: sentences on those that were not left out.
+    steps: what the better model has; still: {joint index: why it tells nothing}; warmed: indices
+    of joints whose temperature changed enough, and sentences on the others; rest (N, n) [Nm]: what
+    the trace leaves; old, better: TorqueModels to compare with, and with what was found; refitted:
+    whether old was fitted without the test; seen: Residual of the whole recordings by the better
+    model and Disturbances in it; unused: sentences on those that were not left out.
     """
 
     whole: Residual

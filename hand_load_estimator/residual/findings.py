@@ -100,9 +100,9 @@ def refuted(findings, joints, before, after, without):
     Return (Findings, sentences): suspected is what made its joint worse where nothing was fitted.
 
     joints: names (n,); before, after (n,) [Nm]: errors on recordings kept for the test;
-    without(k): those (n,) of a model identified likewise without finding k, and after beside them:
-    what estimating everything else again has made worse is no effect's fault. The better model
-    keeps the effect: recordings that chose would be none to test on any more.
+    without(k): those (n,) of a model identified likewise without finding k, and, on the same rows,
+    with it: what estimating everything else again has made worse is no effect's fault. The better
+    model keeps the effect: recordings that chose would be none to test on any more.
     """
     worse = {name: (old, new) for name, old, new in zip(joints, before, after)
              if new > _WORSE * old}
@@ -110,21 +110,21 @@ def refuted(findings, joints, before, after, without):
     for k, finding in enumerate(findings):
         name = _main_joint(finding, joints)
         if finding.verdict == CONFIRMED and not finding.recording and name in worse \
-                and finding.name != UNKNOWN and _made_worse(joints.index(name), *without(k)):
+                and finding.name != UNKNOWN:
             old, new = worse[name]
+            less, beside = (errors[joints.index(name)] for errors in without(k))
+            if beside <= _WORSE * less:
+                kept.append(finding)
+                continue
             finding = replace(finding, verdict=SUSPECTED)
             told[name] = (*told.get(name, ()), (
                 f'{name}: {finding.name} is only suspected, because the error on what was '
-                f'kept for the test rose from {old:.3g} to {new:.3g} Nm, and would not without '
-                'it'))
+                f'kept for the test rose from {old:.3g} to {new:.3g} Nm ({less:.3g} Nm without '
+                'it)'))
         kept.append(finding)
     return tuple(kept), (*(_also_worse(name, *worse[name], kept) for name in worse
                            if name not in told), *(text for texts in told.values()
                                                    for text in texts))
-
-
-def _made_worse(j, without, beside):
-    return beside[j] > _WORSE * without[j]
 
 
 def _also_worse(name, old, new, findings):

@@ -36,7 +36,12 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
             found.append(Finding(
                 UNKNOWN, (name,), {}, np.zeros(robot.n),
                 replace(chance, rms=float(left.rms[j])), (),
-                'no effect of the vocabulary fits; what is left is mostly structure and depends '
-                f'on {", ".join(variables)}', False, SUSPECTED,
+                'no effect of the vocabulary fits; what is left is mostly structure and '
+                + _follows(variables), False, SUSPECTED,
                 pictures_left(robot, residual, rest, j, variables), variables))
     return tuple(found)
+
+
+def _follows(variables):
+    return 'follows nothing of the motion closely' if variables == ('time',) else \
+        f'depends on {", ".join(variables)}'

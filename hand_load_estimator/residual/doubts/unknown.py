@@ -79,10 +79,11 @@ def _ringing(finding, rings, joints):
 
 
 def _finding(model, residual, rest, joints, variable, evidence):
-    rms = float(rms_of(rest, residual.moving)[joints].max())
+    rms = rms_of(rest, residual.moving)[joints]
+    strongest = joints[int(rms.argmax())]
     names = tuple(model.robot.joints[j] for j in joints)
     return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
-                   replace(evidence, rms=rms), (),
+                   replace(evidence, rms=float(rms.max())), (),
                    f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   SUSPECTED, pictures_left(model.robot, residual, rest, joints[0], (variable,)),
+                   SUSPECTED, pictures_left(model.robot, residual, rest, strongest, (variable,)),
                    (variable,))

@@ -80,7 +80,7 @@ class Step:
 
     alternatives: Candidates that the blocks cannot tell from it; next_best: the runner-up;
     needed [nats]; expected: the model says to expect as much, so that it is nothing new;
-    next_possible: physics allows the runner-up as it was fitted.
+    next_possible: physics allows the runner-up as it was fitted, and it matters.
     """
 
     chosen: Candidate

@@ -84,10 +84,11 @@ class Found:
                    any(c is other for other in step.alternatives))
                   for c in _rivals(step) if not found & {h.key for h, _ in c.parts}]
         best = max((c for c, _ in rivals if c.gain > 0.0), key=lambda c: c.gain, default=None)
+        alternatives = tuple(c for c, named in rivals if named and alike(chosen, c))
         return replace(
-            step, chosen=chosen,
-            alternatives=tuple(c for c, named in rivals if named and alike(chosen, c)),
-            next_best=best, next_possible=best is None or self._possible(best))
+            step, chosen=chosen, alternatives=alternatives, next_best=best,
+            next_possible=best is None or any(c is best for c in alternatives)
+            or self._possible(best))
 
     def with_finer_shapes(self, steps):
         """Return Steps found together, each with its finer shape beside the others."""
