@@ -9,6 +9,7 @@ from ..measured.rest import rest_of
 from ..measured.structure import CONSTANT
 from ..pictures_left import pictures_left
 from .not_named import not_named
+from .unknown import follows_words
 
 # Share of the variance that is surely structure, after everything found.
 SHARE = 0.5
@@ -26,22 +27,17 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
                    residual.messages, residual.owner)
     told = {name for f in findings for name in f.joints
             if f.name == UNKNOWN or (f.recording and f.verdict == CONFIRMED)}
-    follows = not_named(structure, robot.joints)
+    named = not_named(structure, robot.joints)
     chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trials, np.nan)
     found = []
     for j, name in enumerate(robot.joints):
         if left.least_structure[j] > SHARE and name not in told:
             # That it has a mean is no dependence.
-            variables = tuple(what for what, _ in follows[j] if what != CONSTANT) or ('time',)
+            variables = tuple(what for what, _ in named[j] if what != CONSTANT) or ('time',)
             found.append(Finding(
                 UNKNOWN, (name,), {}, np.zeros(robot.n),
                 replace(chance, rms=float(left.rms[j])), (),
                 'no effect of the vocabulary fits; what is left is mostly structure and '
-                + _follows(variables), False, SUSPECTED,
+                + follows_words(variables), False, SUSPECTED,
                 pictures_left(robot, residual, rest, j, variables), variables))
     return tuple(found)
-
-
-def _follows(variables):
-    return 'follows nothing of the motion closely' if variables == ('time',) else \
-        f'depends on {", ".join(variables)}'

@@ -78,12 +78,19 @@ def _ringing(finding, rings, joints):
                    explained=explained, verdict=CONFIRMED)
 
 
+def follows_words(variables):
+    """Return what a residual does with variables, in words; time is the lack of any other."""
+    return 'follows nothing of the motion closely' if variables == ('time',) else \
+        f'depends on {", ".join(variables)}'
+
+
 def _finding(model, residual, rest, joints, variable, evidence):
     rms = rms_of(rest, residual.moving)[joints]
     strongest = joints[int(rms.argmax())]
     names = tuple(model.robot.joints[j] for j in joints)
     return Finding(UNKNOWN, names, {}, np.zeros(model.robot.n),
                    replace(evidence, rms=float(rms.max())), (),
-                   f'no effect of the vocabulary fits; what is left depends on {variable}', False,
-                   SUSPECTED, pictures_left(model.robot, residual, rest, strongest, (variable,)),
+                   'no effect of the vocabulary fits; what is left '
+                   + follows_words((variable,)), False, SUSPECTED,
+                   pictures_left(model.robot, residual, rest, strongest, (variable,)),
                    (variable,))
