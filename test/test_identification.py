@@ -13,7 +13,7 @@ from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
-from hand_load_estimator.identification.regression_system import System
+from hand_load_estimator.identification.regression_system import posterior_of, System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import (JointSample, read_recording, Recording,
@@ -98,6 +98,18 @@ def test_e7_1_the_best_parameters_are_those_of_equation_11(made):
     nothing = system.solve(mean, covariance, 0.0 * weights)
     np.testing.assert_allclose(nothing[0], mean)
     assert (np.diag(posterior) <= np.diag(nothing[1]) + 1e-12).all()
+
+
+def test_e7_1_what_is_known_of_a_sum_stays_known():
+    """Two parameters of which hardly more than the sum is known; new data tell the first only."""
+    covariance = np.array([[1.0, -0.9999, 0.0], [-0.9999, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    told = np.array([[400.0, 0.0], [0.0, 0.0]]), np.array([200.0, 0.0])
+    x, posterior = posterior_of(np.array([1.0, 2.0, 5.0]), covariance, told)
+    wanted = np.linalg.inv(np.linalg.inv(covariance[:2, :2]) + told[0])
+    np.testing.assert_allclose(posterior[:2, :2], wanted, rtol=1e-6)
+    np.testing.assert_allclose(x, [*([1.0, 2.0] + wanted @ told[1]), 5.0])
+    assert x[0] + x[1] == pytest.approx(3.0, abs=1e-3)
+    assert not posterior[2].any() and not posterior[:, 2].any()
 
 
 def test_stated_deviations_are_small_where_it_matters(made, found):

@@ -19,10 +19,11 @@ def finding(name):
                    (), '', False, CONFIRMED)
 
 
-def warming(evidence, kelvin):
-    """Return Evidence whose joints warm by so much within it."""
+def warming(evidence, kelvin, unknown=0):
+    """Return Evidence whose joints warm by so much within it, known after some rows."""
     temperature = evidence.motion.temperature + np.linspace(
         0.0, kelvin, len(evidence.torque))[:, None]
+    temperature[:unknown] = np.nan
     return replace(evidence, motion=replace(evidence.motion, temperature=temperature))
 
 
@@ -34,7 +35,15 @@ def test_a_third_temperature_or_a_joint_that_warms_is_needed(name, runs, kelvin,
     assert len({e.mark for e in evidence}) == runs
     (found,), told = between_two_temperatures((finding(name),), JOINTS, evidence)
     assert found.verdict == (CONFIRMED if sure else SUSPECTED)
-    assert [text.split(':')[0] for text in told] == [] if sure else [JOINTS[1]]
+    assert [text.split(':')[0] for text in told] == ([] if sure else [JOINTS[1]])
+
+
+def test_a_sensor_that_is_heard_late_or_not_at_all_hides_no_warming():
+    first, second = recorded()[:2]
+    for evidence in ([warming(first, 5.0, unknown=100), second],
+                     [warming(first, 5.0), warming(second, 0.0, unknown=len(second.torque))]):
+        (found,), told = between_two_temperatures((finding(NAME),), JOINTS, evidence)
+        assert found.verdict == CONFIRMED and not told
 
 
 def test_parts_of_one_recording_are_one(monkeypatch):

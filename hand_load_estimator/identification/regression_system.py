@@ -140,15 +140,21 @@ def posterior_of(mean, covariance, told):
     """Return posterior mean (P,) and covariance (P, P) of a prior and what data told of it."""
     information, gradient = told
     free = np.flatnonzero(np.diag(covariance) > 0.0)
-    # Scaling by the prior keeps masses and inertias of small links in one range.
-    scale = np.sqrt(np.diag(covariance)[free])
-    scaled = information * np.outer(scale, scale) + np.eye(len(free))
-    inverse = np.linalg.inv(scaled)
+    root = _root(covariance[np.ix_(free, free)])
+    inverse = np.linalg.inv(root.T @ information @ root + np.eye(len(free)))
     posterior = np.zeros_like(covariance)
-    posterior[np.ix_(free, free)] = 0.5 * (inverse + inverse.T) * np.outer(scale, scale)
+    posterior[np.ix_(free, free)] = root @ (0.5 * (inverse + inverse.T)) @ root.T
     x = mean.copy()
-    x[free] += scale * (inverse @ (scale * gradient))
+    x[free] += root @ (inverse @ (root.T @ gradient))
     return x, posterior
+
+
+def _root(covariance):
+    """Return R (k, k) with R R^T = covariance."""
+    # Scaling by the standard deviations keeps masses and inertias of small links in one range.
+    scale = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def held_out(system, mean, covariance, weights):

@@ -26,8 +26,8 @@ def between_two_temperatures(findings, joints, evidence):
     numbers = np.array(recording_numbers(evidence))
     if len(np.unique(numbers)) >= SEVERAL:
         return findings, ()
-    spans = np.max([np.ptp(np.concatenate([e.motion.temperature for e, own in zip(
-        evidence, numbers == number) if own]), axis=0) for number in np.unique(numbers)], axis=0)
+    spans = np.max([_spans(np.concatenate([e.motion.temperature for e, own in zip(
+        evidence, numbers == number) if own])) for number in np.unique(numbers)], axis=0)
     warming = {name for name, span in zip(joints, spans) if span >= LEAST_WARMING}
     only = [f.verdict == CONFIRMED and f.name in NEEDS_TEMPERATURE and not warming & set(f.joints)
             for f in findings]
@@ -35,3 +35,9 @@ def between_two_temperatures(findings, joints, evidence):
             tuple(f'{", ".join(f.joints)}: {f.name} is only suspected: no recording warms, and of '
                   'fewer than three none is foretold from other temperatures; record a third'
                   for f, o in zip(findings, only) if o))
+
+
+def _spans(temperature):
+    """Return by how much each of the columns (N, n) changes where it is known, 0 where never."""
+    known = [column[np.isfinite(column)] for column in temperature.T]
+    return [float(np.ptp(column)) if len(column) else 0.0 for column in known]
