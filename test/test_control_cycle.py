@@ -148,17 +148,6 @@ def test_what_is_held_beside_the_estimate_counts():
     np.testing.assert_array_equal(policy.belief.covariance, before.covariance)
 
 
-def test_a_clock_that_jumps_back_does_not_end_the_cycle():
-    cell = Cell()
-    assert cell.run(20.0, lambda c: c.supervisor.phase == 'carrying')
-    cell.run(0.2)
-    q = cell.arm.state(cell.now)[0]
-    cell.now -= 40.0
-    cell.arm._plan, cell.arm._rest = None, q
-    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
-    assert cell.supervisor.counts['clock_jump'] == 1
-
-
 def test_settings_are_used():
     assert replace(CycleSettings(WAYPOINTS), cycles=3).cycles == 3
     cell = Cell(cycles=2)

@@ -30,6 +30,10 @@ class RunningMove:
         """Return position, velocity, acceleration (n,) at `now` [s]."""
         return self.trajectory.sample(now)
 
+    def shift(self, step):
+        """Count everything from a clock that went by step [s]."""
+        self.trajectory, self._origin = self.trajectory.shifted(step), self._origin + step
+
     def replan(self, now, planner, belief, temperature, caution):
         """
         Plan the rest for what is known of the load now (E8.2); return whether it has changed.

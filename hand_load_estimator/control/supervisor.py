@@ -10,6 +10,7 @@ from .braking import braking_trajectory
 from .collision_threshold import CollisionDetector, CollisionThresholds, ThresholdSettings
 from .cycle_limits import rated_cycle_limits
 from .fallback import FallbackSettings, LoadPolicy
+from .measured_state import MeasuredState
 from .pick_place import pick_and_place
 from .running_move import RunningMove
 from .torque_use import TorqueUse
@@ -18,12 +19,9 @@ _AT_GOAL = 0.02          # [rad] a position controller's static error is far bel
 _ON_PATH = 0.1           # [rad] nearer: the motion is being followed, and may be changed
 _OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not being followed
 _SET_OFF = 0.003         # [rad] from where it stood: the joint moves, the command has arrived
-_AT_REST = 0.1           # [rad/s] faster: somebody else still moves the arm
 _SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
-_INPUT_TIMEOUT = 0.5     # [s] without joint states while moving: stop
-_FRESH = 0.05            # [s] older joint states do not tell where a moving arm is
 _REPLAN_PERIOD = 0.15    # [s]
-_CLOCK_JUMP = 0.5        # [s] a clock that steps back or ahead by more has been restarted
+_LATE = 0.5              # [s] since the last tick: joint states may still wait to be heard
 _PAUSE = 0.3             # [s] between a stop and the next try
 _TRIES = 3               # tries of a step after which an arm that does not follow is left alone
 
@@ -72,8 +70,7 @@ class Supervisor:
         self._steps = pick_and_place(settings.cycles, settings.dwell, settings.home_dwell)
         self._step, self._run, self._braking, self._goal = next(self._steps), None, None, None
         self._dwell_until, self._pause_until, self._next_replan = None, None, 0.0
-        self._q = self._v = self._measured_at = self._now = self._earlier = None
-        self._speed = np.inf
+        self._measured, self._now, self._late = MeasuredState(), None, False
         self._stood, self._standing = None, np.zeros(model.robot.n, dtype=bool)
 
     @property
@@ -95,14 +92,7 @@ class Supervisor:
 
     def measured(self, now, q, v):
         """Take position and velocity (n,), NaN where unknown, measured at `now` [s]."""
-        self._q, self._v, self._measured_at = q, v, now
-        if np.isfinite(v).all():
-            self._speed = np.max(np.abs(v))
-        elif self._earlier is None or not 0.0 <= now - self._earlier[0] < _INPUT_TIMEOUT:
-            self._earlier, self._speed = (now, q), np.inf
-        elif now - self._earlier[0] >= _FRESH:
-            moved = np.max(np.abs(q - self._earlier[1]))
-            self._earlier, self._speed = (now, q), moved / (now - self._earlier[0])
+        self._measured.take(now, q, v)
 
     def residual(self, stamp, torque):
         """Take the residual torque (n,) [Nm] of `stamp` [s]."""
@@ -134,20 +124,31 @@ class Supervisor:
 
         ready: whether somebody takes trajectories; no motion begins before that.
         """
-        if self._now is not None and not 0.0 <= now - self._now < _CLOCK_JUMP:
-            self._clock_jumped()
-        self._now = now
-        if self._q is None:
+        step = 0.0 if self._now is None else now - self._now
+        if step < 0.0:
+            self._clock_went_back(now, step)
+        self._now, self._late = now, step >= _LATE
+        if self._late:
+            self.counts['late_tick'] += 1
+        if self._measured.q is None:
             return None
         self.policy.update(now, self.moving)
         out = self._act(now, ready)
         self._watch(now)
         return out
 
-    def _clock_jumped(self):
+    def _clock_went_back(self, now, step):
+        """Go on as if no time had passed: what was sent is under way whatever the clock says."""
         self.counts['clock_jump'] += 1
-        self._run = self._braking = self._pause_until = self._goal = None
-        self._dwell_until, self._next_replan = None, 0.0
+        self._measured.clock_went(now, step)
+        if self._run is not None:
+            self._run.shift(step)
+        if self._braking is not None:
+            self._braking = self._braking.shifted(step)
+        self._dwell_until, self._pause_until = (
+            None if until is None else until + step
+            for until in (self._dwell_until, self._pause_until))
+        self._next_replan += step
 
     def _act(self, now, ready):
         if self._braking is not None and now > self._braking.end:
@@ -167,12 +168,7 @@ class Supervisor:
 
     def _may_move(self, now):
         pausing = self._pause_until is not None and now < self._pause_until
-        stale = self._age(now) > _INPUT_TIMEOUT
-        return not pausing and not stale and self._speed < _AT_REST
-
-    def _age(self, now):
-        """Return the age [s] of the joint states; ahead of a clock that jumped back is old too."""
-        return abs(now - self._measured_at)
+        return not pausing and self._measured.rests(now)
 
     def _dwell(self, now):
         if self._dwell_until is None:
@@ -191,8 +187,9 @@ class Supervisor:
     def _move(self, now):
         target = np.asarray(self._settings.waypoints[self._step.target], dtype=float)
         # Where the arm was sent, not where it hangs a milliradian below: no step in the command.
-        near = self._goal is not None and np.max(np.abs(self._q - self._goal)) < _AT_GOAL
-        start = self._goal if near else self._q
+        q = self._measured.q
+        near = self._goal is not None and np.max(np.abs(q - self._goal)) < _AT_GOAL
+        start = self._goal if near else q
         if np.max(np.abs(start - target)) < 1e-3:
             self._goal = target
             self._advance()
@@ -200,7 +197,7 @@ class Supervisor:
         move = self._planner.plan(start, target, self.policy.belief, self.temperature,
                                   self.policy.caution)
         self._run, self._next_replan = RunningMove(move, now), now + _REPLAN_PERIOD
-        self._stood, self._standing = self._q, np.ones(self.robot.n, dtype=bool)
+        self._stood, self._standing = q, np.ones(self.robot.n, dtype=bool)
         self._accept(move)
         self.counts['motions'] += 1
         return self._run.trajectory.shifted(-now)
@@ -210,10 +207,10 @@ class Supervisor:
         self._move_limits = move.motion_limits(self.robot.limits, self._settings.plan.speed_scale)
 
     def _follow(self, now):
-        if self._age(now) > _INPUT_TIMEOUT:
+        if self._measured.stopped(now) and not self._late:
             return self._halt(now, 'the joint states have stopped while the arm was moving')
         # The reference moves on; compared with where the arm was, it would seem far away.
-        fresh = self._age(now) <= _FRESH
+        fresh = self._measured.fresh(now)
         distance = self._distance(now)
         if fresh and distance > _OFF_PATH:
             self.counts['off_path'] += 1
@@ -230,10 +227,10 @@ class Supervisor:
         return None
 
     def _distance(self, now):
-        return np.max(np.abs(self._q - self._run.state(now)[0]))
+        return np.max(np.abs(self._measured.q - self._run.state(now)[0]))
 
     def _arrive(self, now):
-        if np.max(np.abs(self._q - self._run.goal)) < _AT_GOAL:
+        if np.max(np.abs(self._measured.q - self._run.goal)) < _AT_GOAL:
             self._goal, self._run = self._run.goal, None
             self._advance()
         elif now > self._run.end + _SETTLE:
@@ -270,12 +267,13 @@ class Supervisor:
 
     def _brake_from(self, now):
         """Return position and velocity to brake from: measured, or else as commanded."""
-        measured = self._age(now) <= _FRESH
-        if measured and not np.isfinite(self._v).all():
+        q, v = self._measured.q, self._measured.v
+        measured = self._measured.fresh(now)
+        if measured and not np.isfinite(v).all():
             # Without velocities the reference has them, as long as the arm follows it.
             measured = self._distance(now) > _ON_PATH
         if measured:
-            return self._q, np.nan_to_num(self._v)
+            return q, np.nan_to_num(v)
         return self._run.state(now)[:2]
 
     def _reference(self, now):
@@ -284,13 +282,13 @@ class Supervisor:
         if self._braking is not None:
             return self._braking.sample(now)
         still = np.zeros(self.robot.n)
-        return self._q, still, still
+        return self._measured.q, still, still
 
     def _watch(self, now):
         if self._run is None:
             self._standing[:] = False
         elif self._standing.any():
-            self._standing &= np.abs(self._q - self._stood) < _SET_OFF
+            self._standing &= np.abs(self._measured.q - self._stood) < _SET_OFF
         thresholds, fixed = self._thresholds.at(*self._reference(now), self.policy.belief,
                                                 self.temperature, self._standing)
         self.in_force = self.detector.record(now, thresholds, fixed)

@@ -1,0 +1,48 @@
+"""Where the arm was last seen, how fast, and how long ago."""
+
+import numpy as np
+
+_AT_REST = 0.1           # [rad/s] faster: somebody moves the arm
+_FRESH = 0.05            # [s] older joint states do not tell where a moving arm is
+_TIMEOUT = 0.5           # [s] without joint states: they have stopped
+
+
+class MeasuredState:
+    """Position q (n,) [rad] and velocity v (n,) [rad/s], NaN where unknown; None before any."""
+
+    def __init__(self):
+        self.q = self.v = None
+        self._at = self._earlier = None
+        self._speed = np.inf
+
+    def take(self, now, q, v):
+        """Take q and v measured at `now` [s]."""
+        self.q, self.v, self._at = q, v, now
+        if np.isfinite(v).all():
+            self._speed = np.max(np.abs(v))
+        elif self._earlier is None or not 0.0 <= now - self._earlier[0] < _TIMEOUT:
+            self._earlier, self._speed = (now, q), np.inf
+        elif now - self._earlier[0] >= _FRESH:
+            moved = np.max(np.abs(q - self._earlier[1]))
+            self._earlier, self._speed = (now, q), moved / (now - self._earlier[0])
+
+    def fresh(self, now):
+        """Tell whether it says where a moving arm is."""
+        return self._age(now) <= _FRESH
+
+    def stopped(self, now):
+        """Tell whether no joint states come any more."""
+        return self._age(now) > _TIMEOUT
+
+    def rests(self, now):
+        """Tell whether the arm is known to stand."""
+        return not self.stopped(now) and self._speed < _AT_REST
+
+    def clock_went(self, now, step):
+        """Count what was measured on the clock before it went by step [s] to `now`."""
+        if self._at is not None and abs(now - self._at - step) < self._age(now):
+            self._at += step
+
+    def _age(self, now):
+        # Ahead of a clock that went back is old, too.
+        return abs(now - self._at)

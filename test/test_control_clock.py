@@ -1,0 +1,86 @@
+"""A clock that goes back, and a controller that is kept from running: what was sent goes on."""
+
+import numpy as np
+import pytest
+from supervisor_helpers import Cell, TICK
+
+from hand_load_estimator.control.acceleration_limits import PlanSettings
+
+
+@pytest.fixture
+def cell():
+    cell = Cell(plan=PlanSettings(speed_scale=0.2))
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'to_pick')
+    cell.run(0.3)
+    assert np.abs(cell.arm.state(cell.now)[1]).max() > 0.3
+    assert cell.supervisor.move.duration > 1.5
+    return cell
+
+
+def stalled(cell, heard=True):
+    """Keep the supervisor from running for a while, in which the arm moves on."""
+    cell.now += 0.55
+    hearing, cell.hearing = cell.hearing, heard
+    cell.run(TICK)
+    cell.hearing = hearing
+    assert cell.supervisor.counts['late_tick'] == 1
+
+
+def turned_back(cell):
+    """Turn the clock back under an arm that moves on."""
+    cell.now -= 40.0
+    cell.arm._plan = cell.arm._plan.shifted(-40.0)
+    cell.run(TICK)
+    assert cell.supervisor.counts['clock_jump'] == 1
+
+
+@pytest.mark.parametrize('happen', [stalled, turned_back])
+def test_a_motion_under_way_is_finished_and_not_begun_anew(cell, happen):
+    motions = cell.supervisor.counts['motions']
+    happen(cell)
+    assert cell.supervisor.moving
+    assert cell.run(10.0, lambda c: c.supervisor.phase == 'at_pick')
+    assert cell.supervisor.counts['motions'] == motions
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+    assert not cell.supervisor.counts['stops'] + cell.supervisor.counts['off_path']
+
+
+@pytest.mark.parametrize('happen', [stalled, turned_back])
+def test_a_collision_after_it_stops_the_arm(cell, happen):
+    happen(cell)
+    goal, sent = cell.supervisor.move.goal, len(cell.sent)
+    cell.arm.push = np.array([0.0, 0.0, 200.0, 0.0, 0.0, 0.0])
+    assert cell.run(0.2, lambda c: c.supervisor.phase == 'stopped')
+    cell.run(2.5)
+    assert len(cell.sent) == sent + 1
+    q, v, _ = cell.arm.state(cell.now)
+    assert not v.any() and np.abs(q - goal).max() > 0.1
+
+
+@pytest.mark.parametrize('happen', [stalled, turned_back])
+def test_the_end_of_the_node_after_it_stops_the_arm(cell, happen):
+    happen(cell)
+    _, v, _ = cell.arm.state(cell.now)
+    brake = cell.supervisor.stop()
+    np.testing.assert_allclose(brake.velocity[0], v, atol=1e-9)
+
+
+def test_joint_states_that_wait_behind_a_late_tick_have_not_stopped(cell):
+    stalled(cell, heard=False)
+    cell.run(TICK)
+    assert cell.supervisor.phase == 'to_pick'
+
+
+def test_joint_states_that_have_stopped_stop_the_arm_a_tick_later(cell):
+    cell.hearing = False
+    stalled(cell, heard=False)
+    cell.run(TICK)
+    assert cell.supervisor.phase == 'stopped' and 'joint states' in cell.supervisor.stop_reason
+
+
+def test_a_simulation_begun_anew_elsewhere_goes_on_with_the_cycle(cell):
+    q = cell.arm.state(cell.now)[0]
+    cell.now -= 40.0
+    cell.arm._plan, cell.arm._rest = None, q
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+    assert cell.supervisor.counts['clock_jump'] == 1
