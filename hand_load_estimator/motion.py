@@ -84,11 +84,15 @@ def filter_step(dt, w=BANDWIDTH):
 
 
 class MotionFilter:
-    """Turn accepted joint states into MotionSamples, at most BLOCK apart at fast inputs."""
+    """
+    Turn accepted joint states into MotionSamples, at most BLOCK apart at fast inputs.
 
-    def __init__(self, n):
+    temperature (n,) [degC]: last known, NaN where unknown; whoever hears the joints writes it.
+    """
+
+    def __init__(self, n, temperature=None):
         self._n = n
-        self._temperature = np.full(n, np.nan)
+        self.temperature = np.full(n, np.nan) if temperature is None else temperature
         self._steps = {}
         self._derivatives = Derivatives(n)
         self.gaps = 0
@@ -98,15 +102,6 @@ class MotionFilter:
         """Forget the motion (not the temperatures)."""
         self._state, self._acceleration = None, np.zeros(self._n)
         self._period = 0.0
-
-    def set_temperature(self, joint_index, celsius):
-        """Note a joint's temperature [degC]."""
-        self._temperature[joint_index] = celsius
-
-    @property
-    def temperature(self):
-        """Last known temperatures (n,) [degC]."""
-        return self._temperature.copy()
 
     def update(self, stamp, q, v, effort):
         """Return a MotionSample when one is due, else None. stamp must increase."""
@@ -166,7 +161,7 @@ class MotionFilter:
         jerk = (motion[1] - self._acceleration) / dt
         self._acceleration = motion[1]
         return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
-                            self._temperature.copy(), stamp - self._started < _FORGOTTEN, messages,
+                            self.temperature.copy(), stamp - self._started < _FORGOTTEN, messages,
                             jerk)
 
     def _weighed(self, of_position, of_velocity):

@@ -77,7 +77,8 @@ class Robot:
     """
     An arm: names, limits, nominal inverse dynamics and the load regressor K.
 
-    stops (2, n) [rad]: least and greatest positions by the URDF, infinite where it states none.
+    stops (2, n) [rad]: least and greatest positions by the URDF, infinite where it states none;
+    load_placement: pinocchio.SE3 of the load frame behind the last joint.
     Not thread-safe: pinocchio's work space is reused between calls.
     """
 
@@ -95,6 +96,7 @@ class Robot:
         if frame.parentJoint != self.n:
             raise ConfigurationError(f'{file.where}: load_frame', 'is not fixed to the last joint',
                                      file.load_frame, f'a frame behind {self.joints[-1]}')
+        self.load_placement = frame.placement
         self._load_to_link = products_transform(frame.placement.rotation,
                                                 frame.placement.translation)
         self.nominal_links = np.concatenate(

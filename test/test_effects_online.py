@@ -33,7 +33,7 @@ def filtered(seconds, rate):
     """Return MotionSamples of a motion at a rate [Hz] through the filter, warm joints."""
     motion = MotionFilter(4)
     for joint in range(4):
-        motion.set_temperature(joint, 37.0)
+        motion.temperature[joint] = 37.0
     found = [motion.update(m.stamp, m.position, m.velocity, m.effort) for m in messages(
         exact_model('four'), LoadParameters(), seconds, rate=rate, size=1.2, noisy=False)]
     return [s for s in found if s is not None]

@@ -98,7 +98,7 @@ def test_a_network_is_asked_while_every_temperature_is_known(loud):
             warm(pipeline, celsius)
         elif said:
             pipeline.method.settle()
-            pipeline._stream._filter.set_temperature(2, np.nan)
+            pipeline._stream._filter.temperature[2] = np.nan
         last = feed(pipeline, part)[-1]
         said.append((last, pipeline.reliability['network'], pipeline.method._shift.any()))
     assert [told == 'asked' for _, told, _ in said] == [False, True, False]

@@ -188,7 +188,7 @@ def test_velocity_that_comes_and_goes_restarts_rather_than_jumps():
 
 def test_temperatures_are_held_and_unknown_before():
     motion_filter = MotionFilter(2)
-    motion_filter.set_temperature(1, 33.0)
+    motion_filter.temperature[1] = 33.0
     motion_filter.restart()
     np.testing.assert_array_equal(motion_filter.temperature, [np.nan, 33.0])
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Header
 from std_srvs.srv import Trigger
 
 from hand_load_estimator.nodes.qos import LATCHED, OUTPUT
@@ -116,7 +116,9 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
             message.header.stamp = node.get_clock().now().to_msg()
             states.publish(message)
         covariance.publish(Float64MultiArray(data=[1.0, 2.0]))
-        known.publish(InertiaStamped(inertia=Inertia(m=float('nan'))))
+        known.publish(InertiaStamped(header=Header(frame_id='tool0'),
+                                     inertia=Inertia(m=float('nan'))))
+        known.publish(InertiaStamped(header=Header(frame_id='tcp'), inertia=Inertia(m=100.0)))
         status.publish(DiagnosticStatus(message='DETERMINED', values=[
             KeyValue(key='tared mass [kg]', value='heavy')]))
         covariance.publish(Float64MultiArray(data=[float('nan')] * 100))
@@ -135,7 +137,8 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
     rejected = {pair.key: int(pair.value) for pair in said('input').values
                 if pair.key.startswith('rejected')}
     for reason in ('short_arrays', 'not_finite', 'missing_joint', 'residual_joints',
-                   'residual_not_finite', 'estimate_not_finite', 'known_load_not_finite'):
+                   'residual_not_finite', 'estimate_not_finite', 'known_load_not_finite',
+                   'estimate_frame'):
         assert rejected[f'rejected {reason}'] > 0, rejected
 
 

@@ -81,6 +81,21 @@ def test_the_controller_refuses_a_model_of_another_arm_too(tmp_path, ur10e):
         model_from_parameters(values)
 
 
+@pytest.mark.parametrize('change, said', [
+    ({'load_frame': 'flange'}, '`load_frame`.*flange, .* from wrist_3_joint.*tool0'),
+    ({'gravity': [0.0, 0.0, 9.81]}, r'`gravity`.*\[0.0, 0.0, 9.81\] m/s'),
+    ({'reference_temperature': 30.0}, '`reference_temperature`.*30')])
+def test_a_model_of_another_frame_gravity_or_temperature_is_refused_by_both(
+        ur10e, tmp_path, change, said):
+    other = robot_from_content({**ur10e.file.content, **change}, 'test')
+    write_model(tmp_path / 'model.yaml', replace(exact_model(), robot=other))
+    values = SimpleNamespace(robot='ur10e', model=str(tmp_path / 'model.yaml'))
+    with pytest.raises(ConfigurationError, match=said):
+        model_from_parameters(values)
+    with pytest.raises(ConfigurationError, match=said):
+        build_pipeline(tmp_path / 'model.yaml', 'bayes', None, 'ur10e')
+
+
 def test_another_arm_of_the_same_joint_names_has_no_network(ur10e):
     assert shipped_artefact(ur10e) is not None
     assert shipped_artefact(another_arm(ur10e, CALIBRATED)) is not None

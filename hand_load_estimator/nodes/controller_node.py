@@ -18,7 +18,7 @@ from ..control.fallback import usable_estimate
 from ..control.supervisor import Supervisor
 from ..load import products_from_message
 from ..stream.input_guard import InputGuard
-from ..stream.joint_stream import PLAUSIBLE_TEMPERATURE, TemperatureNames
+from ..stream.joint_temperatures import JointTemperatures
 from .command_line import run_from_command_line
 from .controller_messages import (effort_by_name, limits_message, thresholds_message,
                                   trajectory_message)
@@ -53,7 +53,8 @@ class ControllerNode(Node):
         self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
         self._model, self._guard, self._input = model, InputGuard(self._robot), InputReport()
         self._rejected, self._base, self._offset = Counter(), StampBase(), ClockOffset()
-        self._temperature_names = TemperatureNames(self._robot.joints)
+        self._temperatures = JointTemperatures(self._robot.joints)
+        self._supervisor.temperature = self._temperatures.values
         self._pairing, self._ticks = LoadPairing(), 0
         self._said = {}
         self._create_outputs()
@@ -131,20 +132,22 @@ class ControllerNode(Node):
 
     def _take_temperature(self, joint, celsius):
         self._input.temperature(joint, self._robot.joints)
-        index = self._temperature_names.index(joint)
-        low, high = PLAUSIBLE_TEMPERATURE
-        if index is None:
-            return
-        if low < celsius < high:
-            self._supervisor.temperature[index] = celsius
-        else:
-            self._rejected['implausible_temperature'] += 1
+        self._temperatures.take(joint, celsius)
 
     def _on_load(self, message):
-        self._take_estimate(self._pairing.mean(*_stamped_vector(message)))
+        if self._in_load_frame(message):
+            self._take_estimate(self._pairing.mean(*_stamped_vector(message)))
 
     def _on_variance(self, message):
-        self._take_estimate(self._pairing.variance(*_stamped_vector(message)))
+        if self._in_load_frame(message):
+            self._take_estimate(self._pairing.variance(*_stamped_vector(message)))
+
+    def _in_load_frame(self, message):
+        """Tell whether a load is told in the frame of this node's robot file; count others."""
+        if message.header.frame_id == self._robot.load_frame:
+            return True
+        self._rejected['estimate_frame'] += 1
+        return False
 
     def _on_covariance(self, message):
         covariance = np.array(message.data)
@@ -166,6 +169,8 @@ class ControllerNode(Node):
 
     def _on_known_load(self, message):
         vector = np.array(vector_of_inertia(message.inertia))
+        if not self._in_load_frame(message):
+            return
         if np.isfinite(vector).all():
             self._supervisor.policy.known = products_from_message(vector)
         else:
@@ -209,6 +214,7 @@ class ControllerNode(Node):
         if self._no_clock:
             return
         now = self._now()
+        self._temperatures.expire(now)
         ready = self._trajectory.get_subscription_count() > 0
         self._send(self._supervisor.tick(now, ready))
         self._say_changes()
@@ -239,7 +245,7 @@ class ControllerNode(Node):
         return before != value
 
     def _report_input(self):
-        rejected = self._guard.rejected + self._rejected
+        rejected = self._guard.rejected + self._rejected + self._temperatures.rejected
         if self._pairing.unpaired:
             rejected['covariance_without_load'] = self._pairing.unpaired
         return self._input.report(SimpleNamespace(

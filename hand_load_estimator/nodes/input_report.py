@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from ..effects import NEEDS_TEMPERATURE
-from ..stream.joint_stream import joint_index
+from ..stream.joint_temperatures import joint_index
 from .diagnostics import ERROR, OK, STALE, WARN
 
 _KINDS = ('joint_states', 'temperatures')

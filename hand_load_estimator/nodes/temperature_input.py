@@ -1,11 +1,15 @@
 """Joint temperatures from what robots publish."""
 
+from collections import deque
+
 from rclpy.serialization import deserialize_message
 
 from .qos import measurement
 
 _INTERFACE = 'temperature'  # ros2_control's name of the state interface
-_PERIOD = 0.1  # [s] temperatures change over minutes; broadcasters repeat them at 500 Hz
+# Temperatures change over minutes, and broadcasters repeat them at 500 Hz. More than one message
+# is read of each period [s], because a gripper's may come just before the arm's.
+_PERIOD, _MOST = 0.1, 4
 
 
 def temperatures_of(message):
@@ -26,13 +30,13 @@ def subscribe_dynamic_joint_states(node, depth, take):
         from control_msgs.msg import DynamicJointState
     except ImportError:
         return None
-    last = [None]
+    read = deque(maxlen=_MOST)
 
     def received(data):
         now = node.get_clock().now().nanoseconds * 1e-9
-        if last[0] is not None and 0.0 <= now - last[0] < _PERIOD:
+        if len(read) == _MOST and 0.0 <= now - read[0] < _PERIOD:
             return
-        last[0] = now
+        read.append(now)
         message = deserialize_message(data, DynamicJointState)
         for joint, celsius in temperatures_of(message):
             take(joint, celsius)

@@ -1,0 +1,85 @@
+"""Temperatures of joints by name, for as long as a reading says something."""
+
+from collections import Counter
+
+import numpy as np
+
+# What a joint of a robot can have [degC]; outside is a broken sensor or another unit.
+PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
+# A reading older than this [s] says nothing any more: joints warm over minutes.
+TEMPERATURE_LIFE = 30.0
+
+
+def joint_index(name, joints):
+    """Return which of the joints a name means, also behind a tf_prefix; None if not just one."""
+    if name in joints:
+        return joints.index(name)
+    matches = [i for i, joint in enumerate(joints) if name.endswith(joint)]
+    return matches[0] if len(matches) == 1 else None
+
+
+class TemperatureNames:
+    """
+    Which joint a temperature is of, where other arms' joints have the same names behind a prefix.
+
+    A joint keeps the first name that told of it, and its own name wins; others are another arm's.
+    """
+
+    def __init__(self, joints):
+        self._joints, self._name_of = joints, {}
+
+    def index(self, name):
+        """Return the joint's index, or None."""
+        index = joint_index(name, self._joints)
+        if index is None:
+            return None
+        if name == self._joints[index]:
+            self._name_of[index] = name
+        return index if self._name_of.setdefault(index, name) == name else None
+
+
+class JointTemperatures:
+    """
+    Last readings of the joints.
+
+    values (n,) [degC], NaN where unknown or too old; rejected: reason -> count. Time is told by
+    expire(); a reading before the first of them starts with it.
+    """
+
+    def __init__(self, joints):
+        self._names = TemperatureNames(joints)
+        self.values, self.rejected = np.full(len(joints), np.nan), Counter()
+        self._read_at, self._now = np.full(len(joints), -np.inf), None
+        # No reading expires before this: joint states come too often to look at all of them.
+        self._none_expires_before = -np.inf
+
+    def take(self, name, celsius):
+        """Note one joint's temperature; other names are passed over, broken values counted."""
+        index = self._names.index(name)
+        if index is None:
+            return
+        low, high = PLAUSIBLE_TEMPERATURE
+        # NaN is within nothing.
+        if not low < celsius < high:
+            self.rejected['implausible_temperature'] += 1
+            return
+        self.values[index] = celsius
+        self._read_at[index] = np.nan if self._now is None else self._now
+        expires = -np.inf if self._now is None else self._now + TEMPERATURE_LIFE
+        self._none_expires_before = min(self._none_expires_before, expires)
+
+    def expire(self, now):
+        """Forget what was read too long before `now` [s]."""
+        if self._now is not None and now < self._now:
+            # The clock has gone back: what was read before lives from now on.
+            self._read_at = np.minimum(self._read_at, now)
+            self._none_expires_before = -np.inf
+        self._now = now
+        if now <= self._none_expires_before:
+            return
+        self._read_at[np.isnan(self._read_at)] = now
+        old = now - self._read_at > TEMPERATURE_LIFE
+        self.rejected.update(['temperature_expired'] * int(np.isfinite(self.values[old]).sum()))
+        self.values[old], self._read_at[old] = np.nan, -np.inf
+        known = self._read_at[self._read_at > -np.inf]
+        self._none_expires_before = min(known, default=now) + TEMPERATURE_LIFE
