@@ -14,6 +14,7 @@ from .effects import EffectInput, LATE
 from .robot import Robot
 from .torque.columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
                              torque_columns, warmth_of)
+from .torque.load_through_effects import load_while_sliding
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3
@@ -146,9 +147,14 @@ class TorqueModel:
         x = EffectInput(q, v, a, warmth, np.sign(v))
         return torque_columns(self.robot, self.layout, x, self.mean) @ self.mean
 
-    def load_regressor(self, q, v, a):
-        """Return K (n, 10) in the load frame (eq. 10)."""
-        return self.robot.load_regressor(q, v, a)
+    def load_while_sliding(self, q, v, a, temperature, products):
+        """
+        Return K (n, 10), torque (n,) [Nm]: a load of products (10,) adds K @ products + torque.
+
+        For planning, as `torque` is; in the load frame (eq. 10), through the model's effects. The
+        torque is not the load's but of its presence (load_through_effects.py).
+        """
+        return load_while_sliding(self, (q, v, a), temperature, products)
 
     def _warmth(self, temperature):
         if temperature is None:

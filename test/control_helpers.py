@@ -49,6 +49,10 @@ class FakeModel:
         """Return K (n, 10)."""
         return self.robot.load_regressor(q, v, a)
 
+    def load_while_sliding(self, q, v, a, temperature, products):
+        """Return K (n, 10) and no torque (n,) beside: friction does not depend on the load."""
+        return self.load_regressor(q, v, a), np.zeros(6)
+
     def slices(self):
         """Return the effects with their columns: none."""
         return []

@@ -61,25 +61,36 @@ class CollisionThresholds:
         knowledge of the load. No threshold is above it: joint by joint the tighter holds.
         standing (n,): joints that have not set off yet although they were told to.
         """
-        regressor = self._model.load_regressor(q, v, a)
-        inertia = regressor - self._model.load_regressor(q, v, np.zeros_like(q))
-        base = self._model_band(q, v, a, temperature, standing)
-        expected, band = self._load_band(self._fixed, regressor, inertia)
+        state = q, v, a, temperature
+        # A joint at rest may hold any torque up to its friction, in either direction.
+        speed = np.where(standing, 0.0, np.abs(v))
+        slowness = np.clip(2.0 - speed / self._settings.slow, 0.0, 1.0)
+        base = self._model_band(*state, slowness)
+        expected, band = self._load_band(self._fixed, state, slowness)
         fixed = base + band
         if belief.source == 'estimate':
-            mean, narrow = self._load_band(belief, regressor, inertia)
+            mean, narrow = self._load_band(belief, state, slowness)
             # Not finite is not tighter: then the threshold stays the fixed one.
             tighter = narrow < band
             expected, band = np.where(tighter, mean, expected), np.where(tighter, narrow, band)
         return Thresholds(expected, base + band), fixed
 
-    def _load_band(self, belief, regressor, inertia):
+    def _load_band(self, belief, state, slowness):
         """Return the load's expected torque and what it may be wrong by, (n,) each."""
-        mean, std = belief.torque(regressor)
-        return mean, self._settings.sigma * std \
-            + self._settings.inertia_share * np.abs(inertia @ belief.mean)
+        (q, v, a, temperature), settings = state, self._settings
+        still, creep = np.zeros_like(q), np.full_like(q, settings.slow)
 
-    def _model_band(self, q, v, a, temperature, standing):
+        def regressor(v, a):
+            # The residual torque holds nothing of what a load does to the arm's own friction.
+            return self._model.load_while_sliding(q, v, a, temperature, belief.mean)[0]
+
+        mean, std = belief.torque(regressor(v, a))
+        inertia = np.abs(mean - regressor(v, still) @ belief.mean)
+        friction = 0.5 * np.abs((regressor(creep, still) - regressor(-creep, still)) @ belief.mean)
+        return mean, settings.sigma * std + settings.inertia_share * inertia \
+            + 2.0 * slowness * friction
+
+    def _model_band(self, q, v, a, temperature, slowness):
         """Return what the torque model may be wrong by (n,)."""
         settings, still = self._settings, np.zeros_like(q)
         torque = self._model.torque
@@ -87,9 +98,6 @@ class CollisionThresholds:
         creep = np.full_like(q, settings.slow)
         friction = 0.5 * np.abs(torque(q, creep, still, temperature)
                                 - torque(q, -creep, still, temperature))
-        # A joint at rest may hold any torque up to its friction, in either direction.
-        speed = np.where(standing, 0.0, np.abs(v))
-        slowness = np.clip(2.0 - speed / settings.slow, 0.0, 1.0)
         return settings.margin * self._model.noise + settings.inertia_share * inertia \
             + 2.0 * slowness * friction + settings.sigma * self._doubt.std(q, v, a, temperature)
 

@@ -10,7 +10,7 @@ from ..load import products_from_message, products_jacobian_of_message
 @dataclass(frozen=True)
 class LoadBelief:
     """
-    A load for torque computations, in products (the frame and order of load_regressor).
+    A load for torque computations, in products (the frame and order of load_while_sliding).
 
     mean (10,); covariance (10, 10); source: `estimate` or `rated`.
     """

@@ -16,8 +16,8 @@ class TorqueSource(Protocol):
     def torque(self, q, v, a, temperature):
         """Return the torque (n,) [Nm] without load, friction and rotor included."""
 
-    def load_regressor(self, q, v, a):
-        """Return K (n, 10): torque of a load = K @ its products."""
+    def load_while_sliding(self, q, v, a, temperature, products):
+        """Return K (n, 10), torque (n,): a load of products (10,) adds K @ products + torque."""
 
 
 class TorqueUse:
@@ -38,9 +38,11 @@ class TorqueUse:
 
     def at(self, q, v, a):
         """Return the largest share over the joints: 1 is the limit."""
-        mean, std = self._belief.torque(self._model.load_regressor(q, v, a))
+        regressor, beside = self._model.load_while_sliding(q, v, a, self._temperature,
+                                                           self._belief.mean)
+        mean, std = self._belief.torque(regressor)
         std = np.hypot(std, self._friction * v)
-        torque = self._model.torque(q, v, a, self._temperature) + mean
+        torque = self._model.torque(q, v, a, self._temperature) + mean + beside
         return float(np.max((np.abs(torque) + self._sigma * std) / self._allowed))
 
     def worst(self, q, v, a):

@@ -5,17 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..effects import EffectInput, LATE
-from ..effects.load_dependent_friction import direction
-from ..effects.shown_gear import shown_side, shown_size
 from ..load import products_from_message
 from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .columns import real_torque, torque_columns, warmth_of
 from .late_rows import LateRows
+from .load_through_effects import gear_with, load_through_effects
 from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
 from .shown_friction import ShownStream
-from .shown_links import shown_links_and_way
 from .sliding import surely_slides
 
 
@@ -115,11 +113,7 @@ class ModelFollower:
         """
         if not self.model.layout.needs:
             return 0.0, (0.0, 0.0)
-        robot = self.model.robot
-        ways = [columns[0] for columns in shown_links_and_way(robot, x)]
-        held = [robot.load_columns(columns) @ self._carried for columns in ways]
-        return held[0], [columns @ self.model.mean[:10 * robot.n] + torque
-                         for columns, torque in zip(ways, held)]
+        return gear_with(self.model, x, self._carried)
 
     def _columns(self, x, dt, believed):
         model = self.model
@@ -179,43 +173,10 @@ class ModelFollower:
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         load = robot.load_columns(columns[0, :, :10 * robot.n])
         if self.model.layout.needs:
-            load, turned = load_through_effects(self.model, columns[0], load, sample, x, believed,
-                                                gear)
+            load, turned = load_through_effects(self.model, columns[0], load, x, believed, gear)
             if self._longest:
                 load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
                                                         sample.dt)
             difference = difference - turned
         return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
                           self.column_scale, noise)
-
-
-def load_through_effects(model, columns, load, sample, x, believed, gear):
-    """
-    Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
-
-    columns Y (n, P), load K (n, 10) and EffectInput x at a MotionSample; believed (n,)
-    [Nm]: torque of the load that is thought to be held; gear: gear and gear_way (n,) of
-    EffectInput with it. A wrong gain scales the load's torque too,
-    friction grows with it, a leaning base turns its weight. LateRows adds what a delay does. The
-    torque [Nm] is what the arm's own weight adds to friction where the load turns the gear's
-    torque round: there |gear + load| is not |gear| and something.
-    """
-    robot, gain = model.robot, np.ones(model.robot.n)
-    side = shown_side(*gear)
-    bent = shown_size(*gear) - side * believed
-    leaning, turned = np.zeros_like(load), np.zeros(robot.n)
-    warmth = warmth_of(robot, sample.temperature)
-    for use, where in model.slices():
-        j, value = use.joint, model.mean[where]
-        if use.name == 'torque_scale':
-            gain[j] += value[0]
-        elif use.name == 'torque_scale_temperature':
-            gain[j] += value[0] * warmth[j]
-        elif use.name == 'load_dependent_friction':
-            against = value[0] * direction(x, j, use.shape)[0]
-            gain[j] += side[j] * against
-            turned[j] += bent[j] * against - value[0] * columns[j, where.start]
-        elif use.name == 'base_tilt':
-            leaning = np.einsum('a,ajk->jk', value,
-                                robot.tilted_load_columns(sample.q, value))
-    return gain[:, None] * load + leaning, turned
