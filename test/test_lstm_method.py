@@ -54,6 +54,20 @@ def test_a_network_that_says_nothing_is_bayes(silent):
         np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-4, atol=1e-12)
 
 
+def test_what_was_tared_is_what_its_estimates_are_beside(loud):
+    """The network's corrections are in the estimate, so they are in the zero, too."""
+    model = exact_model('four')
+    pipeline = warm(pipeline_with(model, loud[1]))
+    feed(pipeline, messages(model, block(2.0), 4.0))
+    pipeline.settle()
+    method = pipeline.method
+    held = [regression.widened().products for regression in (method._learned, method._plain)]
+    method.tare()
+    np.testing.assert_allclose(method.tared, held[0], rtol=1e-3, atol=1e-6)
+    assert abs(held[1] - held[0])[0] > 0.003
+    np.testing.assert_array_equal(pipeline.known_load, method.tared)
+
+
 @pytest.mark.parametrize('doubt, near', [(0.0, 1e-5), (0.05, 0.02)])
 def test_a_network_trained_beside_temperatures_is_not_asked_without_them(loud, doubt, near):
     """

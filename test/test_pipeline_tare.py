@@ -88,3 +88,17 @@ def test_tare_keeps_its_own_doubt(model, seed):
         assert abs(last.mean[0]) < 3.5 * last.std[0]
         stds.append(last.std[0])
     assert stds[0] > 1.2 * stds[1]
+
+
+def test_tare_keeps_the_doubt_that_was_published(model):
+    """Torques that vary more than the model states make what is tared as much less known."""
+    pipeline = warm(pipeline_of(model))
+    rough = [replace(m, effort=m.effort + model.noise * np.sin(
+        7.0 * m.stamp + np.arange(4))) for m in messages(model, block(1.5), 6.0)]
+    last = feed(pipeline, rough)[-1]
+    method = pipeline.method
+    assert 1.5 < method.factor < 5.0
+    stated = method._regression.posterior.products_covariance
+    method.tare()
+    assert method._regression._tare[0, 0] == pytest.approx(last.covariance[0, 0], rel=0.05)
+    assert method._regression._tare[0, 0] > 1.2 * stated[0, 0]

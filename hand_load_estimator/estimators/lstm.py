@@ -129,6 +129,11 @@ class Lstm(Watching):
         return self._plain.trust
 
     @property
+    def tared(self):
+        """Products (10,) declared zero by tare: those that its estimates are beside."""
+        return self._learned.tared
+
+    @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
         return (self._gate.reason or self._rest.reason or self._watch.reason

@@ -145,8 +145,10 @@ class LoadRegression:
     def tare(self):
         """Declare the load held now zero; its uncertainty stays in every later estimate."""
         self.update_posterior()
-        self._zero = self._zero + self.posterior.products
-        self._tare = self.posterior.products_covariance
+        # As it is published: later data say nothing of how wrong the torques of these were.
+        held = self.widened(doubt_elsewhere=False)
+        self._zero = self._zero + held.products
+        self._tare = held.products_covariance
         if self._watch:
             self.trust.restart(self._tare)
         self._forget_data()
