@@ -18,8 +18,8 @@ def guard():
     three = np.ones(3)
     return InputGuard(SimpleNamespace(
         joints=JOINTS, effort=SimpleNamespace(torque_constants=three),
-        limits=SimpleNamespace(velocity=3.0 * three, torque=1e3 * three, lower=-1e3 * three,
-                               upper=1e3 * three)))
+        limits=SimpleNamespace(velocity=3.0 * three, torque=1e3 * three),
+        stops=np.array([-1e3 * three, [1e3, 1e3, np.inf]])))
 
 
 def accept(guard, stamp=1.0, names=JOINTS, position=Q, velocity=V, effort=TAU):
@@ -208,6 +208,13 @@ def test_velocities_that_are_all_nan_are_none(guard):
     some[0] = NAN
     assert accept(guard, stamp=1.1, velocity=some) is None
     assert guard.rejected == {'not_finite': 1}
+
+
+def test_a_joint_without_stops_counts_its_turns_on(guard):
+    assert accept(guard, position=[0.1, 0.2, 5e3]) is not None
+    assert accept(guard, stamp=2.0, position=[5e3, 0.2, 5e3]) is None
+    assert accept(guard, stamp=3.0, position=[0.1, 0.2, np.inf]) is None
+    assert guard.rejected == {'implausible_position': 1, 'not_finite': 1}
 
 
 def test_invented_names_do_not_fill_the_memory(guard):

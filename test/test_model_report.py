@@ -8,7 +8,7 @@ from core_helpers import exact_model
 import numpy as np
 import pytest
 
-from hand_load_estimator.estimators.residual_watch import Aged
+from hand_load_estimator.estimators.residual_watch import Aged, EARLIER
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.nodes.controller_report import report_torque_model
@@ -22,13 +22,13 @@ THEN = np.array([0.5, 0.41, np.nan, 0.2])
 
 
 def reported(now, aged=('j1',), diagnosed='2026-03-01T14:30:00+00:00', sliding=THEN,
-             enough=(True,) * 4, recordings=(), simulated=False):
+             enough=(True,) * 4, recordings=(), simulated=False, since=5.0):
     """Return what is said of a model with residuals now (4,) [Nm], joints aged."""
     model = exact_model('four')
     model = replace(model, diagnosed=diagnosed, recordings=recordings,
                     residuals=replace(model.residuals, sliding=sliding))
     now = np.array(now)
-    found = tuple(Aged(name, 2.1, 5.0, 45.0, now[model.robot.joints.index(name)])
+    found = tuple(Aged(name, 2.1, since, 45.0, now[model.robot.joints.index(name)])
                   for name in aged)
     watch = SimpleNamespace(aged=found, residual=now, ratio=np.full(4, 2.0),
                             seconds=np.full(4, 60.0), enough=np.array(enough))
@@ -45,6 +45,12 @@ def test_what_has_grown_since_the_diagnosis_is_told_with_both_figures():
     assert values['residual j1 [Nm]'] == 1.02
     assert values['residual j1 at the last diagnosis [Nm]'] == 0.41
     assert 'residual j2 at the last diagnosis [Nm]' not in values
+
+
+def test_a_joint_that_aged_before_a_restart_has_no_date():
+    _, message, values = reported([0.5, 1.02, 0.3, 0.2], since=EARLIER)
+    assert 'times the stated since before the last restart (45 s of motion)' in message
+    assert values['aged since'] == 'before the last restart'
 
 
 def test_what_was_so_already_has_not_grown():

@@ -45,7 +45,7 @@ def moved(model, load, times, motion, seed=1):
 @pytest.mark.parametrize('mass', [3.0, 8.0])
 def test_following_it_settles_what_it_says(model, mass):
     pipeline = standing(model, block(mass))
-    suggestion = pipeline.suggest_motion()
+    suggestion = pipeline.suggest_motion(pipeline.last_stamp)
     assert set('mxyz') <= set(suggestion.undetermined)
     assert suggestion.settled[:1] == ('m',) and suggestion.trajectory is not None
     motion = suggestion.trajectory
@@ -61,7 +61,8 @@ def test_following_it_settles_what_it_says(model, mass):
 
 def test_it_stays_within_the_limits_and_ends_where_it_began(model):
     limits = model.robot.limits
-    suggestion = standing(model, block(6.0)).suggest_motion()
+    pipeline = standing(model, block(6.0))
+    suggestion = pipeline.suggest_motion(pipeline.last_stamp)
     q, v, a = suggestion.trajectory.sample(np.linspace(0.0, suggestion.trajectory.duration, 400))
     assert (q > limits.lower).all() and (q < limits.upper).all()
     assert (np.abs(v) <= 0.85 * limits.velocity).all()
@@ -88,7 +89,8 @@ def test_less_is_asked_for_where_less_is_open(model):
 
 
 def test_words_name_what_is_open_and_what_would_settle_it(model):
-    text = standing(model, block(6.0)).suggest_motion().text()
+    pipeline = standing(model, block(6.0))
+    text = pipeline.suggest_motion(pipeline.last_stamp).text()
     assert text.startswith('not determined: mass ') and 'move ' in text and 'and back in' in text
     assert 'expected std after it: mass 0.' in text
 
@@ -105,10 +107,16 @@ def test_nothing_is_suggested_for_what_no_motion_settles(model):
     assert 'no motion' in suggestion.text()
 
 
+def test_it_is_refused_where_the_arm_may_be_elsewhere_by_now(model):
+    pipeline = standing(model, block(2.0))
+    with pytest.raises(SuggestionError, match='no usable joint state for 300.00 s'):
+        pipeline.suggest_motion(pipeline.last_stamp + 300.0)
+
+
 def test_it_is_refused_before_data_and_while_moving(model):
     with pytest.raises(SuggestionError, match='no usable joint states'):
-        pipeline_of(model).suggest_motion()
+        pipeline_of(model).suggest_motion(0.0)
     pipeline = warm(pipeline_of(model))
     feed(pipeline, messages(model, block(2.0), 1.5))
     with pytest.raises(SuggestionError, match='moves'):
-        pipeline.suggest_motion()
+        pipeline.suggest_motion(pipeline.last_stamp)

@@ -72,7 +72,7 @@ def _suggestions(pipeline):
     """Yield suggested Trajectories (None: ask again later) until mass and place are determined."""
     while True:
         try:
-            suggestion = pipeline.suggest_motion()
+            suggestion = pipeline.suggest_motion(pipeline.last_stamp)
         except SuggestionError:
             yield None
             continue

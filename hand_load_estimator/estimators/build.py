@@ -103,6 +103,8 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     None; tool_path: load file of a known tool, or None: the estimate is what is held beside it.
     """
     model_file = find_shared(model_path, 'models')
+    # Before it is read: should it be replaced meanwhile, a checkpoint is refused, not misread.
+    digest = hashlib.sha256(model_file.read_bytes()).hexdigest()
     model = (read_model(model_file) if robot_path is None else
              model_of_robot(model_file, load_robot(find_shared(robot_path, 'robots'))))
     follower, tool = ModelFollower(model), read_tool(tool_path) if tool_path else None
@@ -111,5 +113,4 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     return Pipeline(model, follower,
                     build_method(model, follower.uncertainties, method, learned or None),
                     determined_std(model.robot), model_file=model_file,
-                    digest=hashlib.sha256(model_file.read_bytes()).hexdigest(),
-                    tool=tool)
+                    digest=digest, tool=tool)

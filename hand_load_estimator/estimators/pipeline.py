@@ -93,7 +93,7 @@ class Pipeline:
 
     @property
     def last_stamp(self):
-        """Stamp [s] of the newest usable joint state, or None."""
+        """Stamp [s] of the newest joint state, also one that jumps; None before any."""
         return self._stream.last_stamp
 
     @property
@@ -189,14 +189,17 @@ class Pipeline:
                              self._determined(belief))
         return self._estimate or self._labelled(last, belief)
 
-    def suggest_motion(self):
+    def suggest_motion(self, now):
         """
-        Return the Suggestion for what is not determined now; takes half a second or two.
+        Return the Suggestion for what is not determined at `now` [s]; takes half a second or two.
 
-        Raises SuggestionError where the arm does not stand.
+        Raises SuggestionError where the arm does not stand, or nobody knows where.
         """
         if self._sample is None:
             raise SuggestionError('where the arm stands is not known: no usable joint states yet')
+        if now - self.last_stamp > self._stale_after:
+            raise SuggestionError('where the arm stands is not known: no usable joint state for '
+                                  f'{now - self.last_stamp:.2f} s')
         if (np.abs(self._sample.v) > STANDING).any():
             raise SuggestionError('the arm moves; ask again when it stands')
         if self._suggester is None:

@@ -27,8 +27,9 @@ CAP = 4.0
 MEMORY, ENOUGH = 60.0, 20.0
 # A model has aged above LIMIT times its stated residual, and is well again below CALM times.
 LIMIT, CALM = 1.75, 1.4
-# A stamp [s] that no message has.
-NEVER = -1.0
+# Stamps [s] that no message has: of a joint that is well, and of one that aged before a restart,
+# whose stamps counted from another second.
+NEVER, EARLIER = -1.0, -2.0
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Aged:
     """
     A joint with `ratio` times the stated residual since `since` [s], for `motion` [s] of it.
 
-    residual [Nm]: the residual itself.
+    since: EARLIER where that was before a restart; residual [Nm]: the residual itself.
     """
 
     joint: str
@@ -142,16 +143,17 @@ class ResidualWatch:
 
     def state(self):
         """Return {name: array (n,)}: what restore() of another watch goes on from."""
-        return {'square': self._square, 'torque': self._torque, 'seconds': self.seconds,
-                # Of a joint that is well there is no such time.
+        # Copies: a file is written from them while the watch goes on.
+        return {'square': self._square.copy(), 'torque': self._torque.copy(),
+                'seconds': self.seconds.copy(),
                 'since': np.where(np.isnan(self._since), NEVER, self._since),
-                'before': self._before, 'aged': self._aged.astype(float)}
+                'before': self._before.copy(), 'aged': self._aged.astype(float)}
 
     def restore(self, state):
         """Go on from finite arrays as of state(); what the hand holds is to be found anew."""
         self._square, self._torque, self.seconds, since, self._before, aged = (
             np.array(state[name], dtype=float) for name in self.state())
-        self._since = np.where(since == NEVER, np.nan, since)
+        self._since = np.where(since == NEVER, np.nan, EARLIER)
         self._aged = aged > 0.5
         self.forget_load()
 

@@ -222,7 +222,7 @@ class EstimatorNode(Node):
 
     def _on_suggest_motion(self, _request, response):
         try:
-            suggestion = self._pipeline.suggest_motion()
+            suggestion = self._pipeline.suggest_motion(self._now())
         except SuggestionError as error:
             response.success, response.message = False, str(error)
             return response

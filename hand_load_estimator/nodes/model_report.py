@@ -4,11 +4,13 @@ from datetime import datetime
 
 import numpy as np
 
+from ..estimators.residual_watch import EARLIER
 from .diagnostics import OK, WARN
 from .model_cautions import cautions
 
 # A residual within this factor of the one at the last diagnosis has not grown since.
 GROWN = 1.2
+_BEFORE = 'before the last restart'
 
 
 def report_model(pipeline, written, base, simulated):
@@ -30,7 +32,8 @@ def report_model(pipeline, written, base, simulated):
     values['recordings'] = ', '.join(model.recording_names) or 'none'
     told = []
     if aged := watch.aged:
-        values['aged since'] = _date(_wall(min(joint.since for joint in aged), base))
+        first = min(joint.since for joint in aged)
+        values['aged since'] = _BEFORE if first == EARLIER else _date(_wall(first, base))
         told = [f'{_told(a, base)}{_since_diagnosis(a, model)}' for a in aged]
         told[0] = f'model has aged: {told[0]}'
     told += cautions(model, simulated)
@@ -61,7 +64,8 @@ def _diagnosed(model):
 
 
 def _told(aged, base):
-    since = datetime.fromtimestamp(_wall(aged.since, base)).strftime('%H:%M:%S')
+    since = (_BEFORE if aged.since == EARLIER else
+             datetime.fromtimestamp(_wall(aged.since, base)).strftime('%H:%M:%S'))
     return (f'{aged.joint} residual {aged.ratio:.1f} times the stated since {since} '
             f'({aged.motion:.0f} s of motion)')
 

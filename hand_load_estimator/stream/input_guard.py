@@ -12,6 +12,8 @@ RESTART_AFTER = 0.5
 # More than this many times the robot's limit is a broken message, not a motion or a torque.
 SPEED_MARGIN = 5.0
 EFFORT_MARGIN = 3.0
+# A joint without stops may count its turns on and on, but no further than this [rad].
+ENDLESS = 1e6
 # Closer stamps [s] than any joint state has are one stamp written twice.
 SHORTEST_STEP = 1e-6
 # Orders of names remembered; a driver that invents names must not fill the memory.
@@ -31,9 +33,10 @@ class InputGuard:
         self._joints, limits = robot.joints, robot.limits
         self._speed_limit = SPEED_MARGIN * limits.velocity
         effort = EFFORT_MARGIN * limits.torque / np.abs(robot.effort.torque_constants)
-        # A turn beyond the limits is an encoder that counts on, more is not an angle.
-        self._least = np.array([limits.lower - 2.0 * np.pi, -self._speed_limit, -effort])
-        self._most = np.array([limits.upper + 2.0 * np.pi, self._speed_limit, effort])
+        # A turn beyond the stops is an encoder that counts on, more is not an angle.
+        stops = np.clip(robot.stops, -ENDLESS, ENDLESS) + 2.0 * np.pi * np.array([[-1.0], [1.0]])
+        self._least = np.array([stops[0], -self._speed_limit, -effort])
+        self._most = np.array([stops[1], self._speed_limit, effort])
         self._last_position = None
         self._index_of, self._heard = {}, HeardJoints(robot.joints)
         self.rejected, self.passed_over = Counter(), 0

@@ -38,7 +38,7 @@ class JointStream:
 
     @property
     def last_stamp(self):
-        """Stamp [s] of the newest accepted message, or None."""
+        """Stamp [s] of the newest message that could be read, also a jump; None before any."""
         return self._guard.last_stamp
 
     @property
