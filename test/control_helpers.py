@@ -114,4 +114,4 @@ class FakeArm:
 
     def residual(self, now):
         """Return the torque (n,) that the model without load leaves over."""
-        return self._model.load_regressor(*self.state(now)) @ self.load + self.push
+        return self._model.robot.load_regressor(*self.state(now)) @ self.load + self.push
