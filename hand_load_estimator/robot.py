@@ -114,6 +114,10 @@ class Robot:
         """Return K (..., n, 10) from already computed link regressors (..., n, 10 n)."""
         return link_regressor[..., -10:] @ self._load_to_link
 
+    def in_last_link(self, products):
+        """Return products (10,) of a load as the last link's, pinocchio's order."""
+        return self._load_to_link @ products
+
     def gravity_loaded(self, q):
         """
         Tell which joints (n,) bool carry a load's weight at q.

@@ -84,7 +84,10 @@ def test_the_controller_refuses_a_model_of_another_arm_too(tmp_path, ur10e):
 @pytest.mark.parametrize('change, said', [
     ({'load_frame': 'flange'}, '`load_frame`.*flange, .* from wrist_3_joint.*tool0'),
     ({'gravity': [0.0, 0.0, 9.81]}, r'`gravity`.*\[0.0, 0.0, 9.81\] m/s'),
-    ({'reference_temperature': 30.0}, '`reference_temperature`.*30')])
+    ({'reference_temperature': 30.0}, '`reference_temperature`.*30'),
+    ({'effort': {'kind': 'motor_torque', 'includes_configured_load': True,
+                 'configured_load': {'mass': 5.0, 'com': [0.0, 0.0, 0.1]}}},
+     r'`effort`.*configured_load \[5.0, .*configured_load none')])
 def test_a_model_of_another_frame_gravity_or_temperature_is_refused_by_both(
         ur10e, tmp_path, change, said):
     other = robot_from_content({**ur10e.file.content, **change}, 'test')

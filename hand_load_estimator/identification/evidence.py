@@ -13,6 +13,11 @@ from ..torque.shown_links import shown_links
 from .clipped_effort import clipped_rows
 
 
+# Rows further apart than their dt by this [s] have a gap between; parts shorter than that [s]
+# tell nothing.
+GAP, SHORTEST = 0.1, 0.5
+
+
 @dataclass(frozen=True)
 class Evidence:
     """
@@ -53,6 +58,24 @@ def recording_numbers(evidence):
     """Return for each Evidence the number of its recording: parts of one have its mark."""
     marks = list(dict.fromkeys(e.mark for e in evidence))
     return [marks.index(e.mark) for e in evidence]
+
+
+def between_gaps(evidence):
+    """
+    Return a list of Evidence cut where joint states are missing: motion has no past there.
+
+    Parts too short to be worth it are left out, but never all of a recording.
+    """
+    out = []
+    for own in evidence:
+        motion = own.motion
+        gaps = np.flatnonzero(np.abs(np.diff(motion.stamp) - motion.dt[1:]) > GAP) + 1
+        parts = np.split(np.arange(len(motion.stamp)), gaps)
+        longest = max(map(len, parts))
+        out += [own] if len(parts) == 1 else [
+            own.part(rows) for rows in parts
+            if len(rows) == longest or motion.dt[rows].sum() >= SHORTEST]
+    return out
 
 
 def prepare(robot, name, motion, load, recording=None, rejected=None):

@@ -12,13 +12,14 @@ import numpy as np
 from ..effects import DEFAULT_EFFECTS, EFFECTS, NEEDS_TEMPERATURE
 from ..errors import ConfigurationError, RecordingError
 from ..torque.columns import EffectUse, effect_slices, parameter_count
-from ..torque.sliding import moved_joints, sliding_rms, surely_slides
+from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
+from .evidence import between_gaps
 from .knee_fit import with_knees_fitted
 from .left_out_noise import noise_left_out
 from .load_agreement import share_left_out
 from .regression_system import held_out, System
-from .residual_noise import density, known_joints, rmse_of, with_usual_drift
+from .residual_noise import density, known_joints, rmse_of, sliding_left, with_usual_drift
 from .shape_search import search_shapes
 
 # How far a link's published mass, and its first and second moments, may be off.
@@ -82,6 +83,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     effects: names to declare, or None for the default list. Raises ConfigurationError for
     unknown effects and RecordingError when the recordings hold too little motion.
     """
+    evidence = between_gaps(evidence)
     temperatures = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     known = np.isfinite(temperatures).any()
     uses, links_declared = declare(robot, effects, known)
@@ -105,18 +107,16 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     system, stated = system.with_drift(drift), system.weights(intensity, friction)
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)
-    sliding = sliding_rms(left_out.residual,
-                          surely_slides(system.velocity, system.z, system.doubt)
-                          & system.tells, system.dt, system.owner)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
     # What no recording shows is no part of what loads found in them suffer from.
     share = share_left_out(system, left_out, stated, drift)
     moved, told = moved_joints(evidence), known_joints(evidence)
     residuals = Residuals(rmse_of(unjudged, system, left_out.residual, moved), intensity,
-                          with_usual_drift(unjudged, system, drift, told), sliding, share, ~moved)
+                          with_usual_drift(unjudged, system, drift, told),
+                          sliding_left(system, left_out), share, ~moved)
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
-                       tuple(e.mark for e in evidence),
+                       tuple(dict.fromkeys(e.mark for e in evidence)),
                        (float(seen.min()), float(seen.max())) if known else None)
 
 
@@ -125,7 +125,7 @@ def _require_motion(evidence):
                  for e in evidence)
     if moving < LEAST_MOTION:
         raise RecordingError(
-            f'{", ".join(e.name for e in evidence)}: hold {moving:.1f} s of motion; at least '
+            f'{", ".join(dict.fromkeys(e.name for e in evidence))}: hold {moving:.1f} s of motion; at least '
             f'{LEAST_MOTION:g} s are needed; record a motion of `hand_load excite`')
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..torque.sliding import sliding_rms, surely_slides
 from ..torque_model import WARMED
 from .block_means import all_blocks
 
@@ -38,6 +39,12 @@ def rmse_of(model, system, residual, moved):
     rmse = np.sqrt((shown * residual ** 2).sum(axis=0) / np.maximum(shown.sum(axis=0), 1))
     unknown = np.where(moved, 0.0, model.friction_doubt())
     return np.maximum(np.hypot(rmse, unknown), LEAST_NOISE * model.robot.limits.torque)
+
+
+def sliding_left(system, left_out):
+    """Return the residual (n,) [Nm] of a System's LeftOut while joints slide, as of Residuals."""
+    sliding = surely_slides(system.velocity, system.z, system.doubt) & system.tells
+    return sliding_rms(left_out.residual, sliding, system.dt, system.owner)
 
 
 def known_joints(evidence):

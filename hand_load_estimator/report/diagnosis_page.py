@@ -138,7 +138,9 @@ def _errors(diagnosis):
                 diagnosis.joints, diagnosis.before, diagnosis.after,
                 zip(diagnosis.noise_floor, most),
                 zip(diagnosis.unexplained, diagnosis.unexplained_most))]
-    same = '' if diagnosis.findings else ' Nothing was added, so before and after are the same.'
+    same = '' if diagnosis.findings or not np.array_equal(
+        diagnosis.before, diagnosis.after, equal_nan=True) else \
+        ' Nothing was added, so before and after are the same.'
     return (
         '<h2>Torque error per joint</h2>'
         f'<p>{_tested(diagnosis)}{same}</p>'

@@ -127,6 +127,10 @@ def _shape_chosen(finding):
 
 def _evidence(finding, joints):
     e = finding.evidence
+    if not math.isfinite(e.gain) and finding.recording:
+        return '<h3>Evidence</h3>' + items_html([
+            'While the arm stood, its torques were beyond what friction can hold. Its torque: '
+            f'{number_text(e.rms)} Nm RMS at the strongest joint.'])
     if not math.isfinite(e.gain):
         return '<h3>Evidence</h3>' + items_html([
             f'Nothing was fitted: this is what is left after {e.hypotheses} hypotheses tried.',

@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import LATE
+from ..identification.evidence import between_gaps
 from ..identification.identify import prior
 from ..identification.knee_fit import with_knees_fitted
 from ..identification.left_out_noise import noise_left_out
 from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
-from ..identification.residual_noise import known_joints, rmse_of, with_usual_drift
+from ..identification.residual_noise import (known_joints, rmse_of, sliding_left,
+                                             with_usual_drift)
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import Residuals, TorqueModel
@@ -68,6 +70,7 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     changed: (name, joint) of declared effects that the old figures no longer hold for; together:
     joints of one delay, whose `shift` stays one; the shares of each are estimated.
     """
+    evidence = between_gaps(evidence)
     own = made_from(model, evidence)
     mean, covariance = _prior(model, uses, changed, own, moved_joints(evidence))
     links = _links_declared(model, changed)
@@ -200,7 +203,7 @@ def _identified(model, declared, before, evidence, own):
     unjudged = TorqueModel(robot, uses, links, x, posterior, None)
     share = share_left_out(system, left_out, stated, drift)
     found = replace(_residuals(unjudged, residuals, (system, left_out, drift), evidence, own),
-                    intensity=intensity, load_share=share)
+                    intensity=intensity, load_share=share, sliding=sliding_left(system, left_out))
     seen = np.concatenate([e.motion.temperature.ravel() for e in evidence])
     seen = seen[np.isfinite(seen)]
     spans = (model.temperatures, (seen.min(), seen.max()) if len(seen) else None)
@@ -213,7 +216,7 @@ def _identified(model, declared, before, evidence, own):
 
 def _residuals(model, old, fit, evidence, own):
     """
-    Return Residuals whose density and share are still the old.
+    Return Residuals whose density, share and residual while sliding are still the old.
 
     model: as identified by the fit, a System, its LeftOut and its drift; old: the model's before.
     """
@@ -221,8 +224,8 @@ def _residuals(model, old, fit, evidence, own):
     rmse = rmse_of(model, system, left_out.residual, moved)
     if own:
         drift = with_usual_drift(model, system, drift, known_joints(evidence))
-        return replace(old, rmse=rmse, sliding=None, unmoved=~moved, drift=drift)
+        return replace(old, rmse=rmse, unmoved=~moved, drift=drift)
     # New recordings need not show all that the old ones did.
     rmse = np.where(moved, np.maximum(rmse, np.sqrt(SHOWN) * old.rmse), old.rmse)
     unmoved = None if old.unmoved is None else old.unmoved & ~moved
-    return replace(old, rmse=rmse, sliding=None, unmoved=unmoved, drift=drift)
+    return replace(old, rmse=rmse, unmoved=unmoved, drift=drift)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import RecordingError
+from ..identification.evidence import between_gaps
 from ..identification.identify import prior
 from .add import better_model
 from .doubts.known_recordings import made_from
@@ -95,6 +96,7 @@ def _explained(model, recordings, whole, outside, test, progress):
     evidence, tested = outside.parts(recordings, whole, test)
     refuse_too_short(evidence, recordings, whole, outside.found)
     refuse_the_useless(model, evidence)
+    evidence, tested = between_gaps(evidence), between_gaps(tested)
     warmed = warmed_joints(model, evidence)
     progress('computing the residual')
     residual, still = usable_residual(model, evidence)

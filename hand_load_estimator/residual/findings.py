@@ -222,7 +222,7 @@ def _of_effect(model, better, hypothesis, searched):
     std = np.sqrt(np.diag(covariance))
     out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
     # A share of another delay, a peak at another velocity is no change of the old one.
-    if old is not None and _searched(old[0]) == _searched(use):
+    if old is not None and old[0].formula == use.formula:
         before = model.mean[old[1]]
         out |= {f'change_of_{name}': (mean[k] - before[k], std[k], unit)
                 for k, (name, unit) in enumerate(effect.parameters)}
@@ -232,10 +232,6 @@ def _of_effect(model, better, hypothesis, searched):
     std = {**searched, **use.shape_std}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
-
-
-def _searched(use):
-    return {name: value for name, value in use.told_shape.items() if name != KNEE.name}
 
 
 def _slice(model, hypothesis):

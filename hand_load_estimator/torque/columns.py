@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..effects import EFFECTS, EffectInput, LATE
+from ..effects.knee import KNEE
 from .lateness import lateness
 from .play import PlayAlong
 from .presliding import presliding_paths
@@ -47,6 +48,11 @@ class EffectUse:
     def told_shape(self):
         """The shape values that are there (Shape.there)."""
         return self.effect.told(self.shape)
+
+    @property
+    def formula(self):
+        """The shape values that a search chose: a knee is estimated with the parameters."""
+        return {name: value for name, value in self.told_shape.items() if name != KNEE.name}
 
 
 def warmth_of(robot, temperature):
@@ -196,7 +202,7 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
         x = replace(
             x, gear=gear, gear_way=gear_way, drive=plain,
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
-            tilt=tilt_columns(robot, layout, x.q, mean) if 'tilt' in layout.needs else None)
+            tilt=tilt_columns(robot, layout, x.q, mean, load) if 'tilt' in layout.needs else None)
         layout.fill_torque_bound(columns, x)
         if 'late' in layout.needs:
             held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
@@ -233,13 +239,17 @@ def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     return PlayAlong(((gear + believed, inertia, dt),), robot.usual_inertia, states)
 
 
-def tilt_columns(robot, layout, q, mean):
+def tilt_columns(robot, layout, q, mean, load=None, turn=0.0):
     """
     Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n).
 
-    x (P,) of a ColumnLayout tells the links, and the turn that the columns are exact for.
+    x (P,) of a ColumnLayout tells the links, and the turn that the columns are exact for; turn
+    (2,) [rad]: beyond that; load: LoadParameters that are known to be held, or None.
     """
-    links, angles = mean[:layout.links], layout.tilt(mean)
+    links, angles = mean[:layout.links].copy(), layout.tilt(mean) + turn
+    if load is not None:
+        # The load is fixed to the last link.
+        links[-10:] += robot.in_last_link(load.to_products())
     return np.array([robot.tilt_regressor(row, links, angles) for row in q])
 
 

@@ -16,7 +16,8 @@ def model_of_robot(path, robot):
     Return the TorqueModel of a file for a Robot, whatever its limits were then.
 
     Raises ConfigurationError where joints, where they lie, effort kind, the lag of commanded
-    positions, load frame, gravity or reference temperature are not the robot's.
+    positions, torque constants, configured load, load frame, gravity or reference temperature are
+    not the robot's.
     """
     model = read_model(path)
     own = model.robot
@@ -41,6 +42,9 @@ def _otherwise(own, robot):
     """Yield (key, model's, robot's) of what both robot files say, and say otherwise."""
     if own.file.command_lag != robot.file.command_lag:
         yield 'position', f'lag {own.file.command_lag} s', f'lag {robot.file.command_lag} s'
+    told = [_effort(arm) for arm in (own, robot)]
+    if told[0] != told[1]:
+        yield 'effort', *told
     between = pin.log6(own.load_placement.actInv(robot.load_placement)).vector
     if np.abs(between).max() > SAME_FRAME:
         yield 'load_frame', *(_place(arm) for arm in (own, robot))
@@ -52,6 +56,14 @@ def _otherwise(own, robot):
     if own.reference_temperature != robot.reference_temperature:
         yield 'reference_temperature', *(
             f'{arm.reference_temperature} degC' for arm in (own, robot))
+
+
+def _effort(robot):
+    """Return in words how a Robot turns efforts into torques."""
+    configured = robot.effort.configured_load
+    carried = 'none' if configured is None else configured.to_products().round(6).tolist()
+    return (f'torque_constants {np.round(robot.effort.torque_constants, 6).tolist()}, '
+            f'configured_load {carried}')
 
 
 def _place(robot):

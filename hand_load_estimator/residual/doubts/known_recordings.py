@@ -8,8 +8,13 @@ def known_names(model, evidence):
 
 
 def made_from(model, evidence):
-    """Tell whether a TorqueModel was identified from all of these recordings."""
-    return len(known_names(model, evidence)) == len(evidence)
+    """
+    Tell whether a TorqueModel was identified from these recordings, and from no others.
+
+    From some of its own it is not made again: what only the others told would be forgotten.
+    """
+    others = {mark.content for mark in model.recordings} - {e.mark.content for e in evidence}
+    return len(known_names(model, evidence)) == len(evidence) and not others
 
 
 def known_by_name_only(model, evidence):

@@ -170,7 +170,7 @@ def _place(model, hypothesis):
     """Return the shape and the place in x of a Hypothesis in a TorqueModel, or None."""
     if hypothesis.name == 'link_inertia':
         return {}, slice(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
-    return next(((use.told_shape, where) for use, where in model.slices()
+    return next(((use.formula, where) for use, where in model.slices()
                  if (use.name, use.joint) == (hypothesis.name, hypothesis.joint)), None)
 
 
@@ -207,7 +207,7 @@ def _faint(model, better, trace, chosen):
     # A delay moves all that its joint does, not only what the old model knew of.
     if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm or chosen.name == LATE:
         return False
-    old, new = ({(use.name, use.joint): (use.told_shape, m.mean[where])
+    old, new = ({(use.name, use.joint): (use.formula, m.mean[where])
                  for use, where in m.slices()} for m in (model, better))
     parts = []
     for hypothesis, score in chosen.parts:

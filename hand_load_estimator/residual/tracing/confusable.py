@@ -47,7 +47,7 @@ PAIRS = {
     frozenset({'gravity_spring', 'torque_offset'}):
         'move the joint over its whole range: an offset stays, a spring does not',
     frozenset({'base_tilt', 'torque_scale'}):
-        'hold a known load: a wrong gain misreads it, a leaning base does not',
+        'hold a known load: a wrong gain scales its torque, a leaning base turns it',
     frozenset({'cable_drag', 'torque_scale'}):
         'hold a known load: a wrong gain misreads it, a cable does not',
     frozenset({'gravity_spring', 'torque_scale'}):

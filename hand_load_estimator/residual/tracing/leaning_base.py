@@ -6,6 +6,7 @@ import numpy as np
 
 from ...effects import EFFECTS
 from ...identification.identify import prior
+from ...torque.columns import tilt_columns
 from .hypothesis import beside_delays, EFFECT_FACTOR, Hypothesis, LINK_FACTOR
 
 
@@ -22,10 +23,10 @@ def turned(hypothesis, score, model, residual):
 
     To first order only, a base that leans far leaves a torque which looks like other links.
     """
-    links, before = model.mean[:10 * model.robot.n], model.layout.tilt(model.mean)
-    turn = hypothesis.scale * score.theta
-    now = np.array([model.robot.tilt_regressor(row, links, before + turn)
-                    for row in residual.x.q])
+    before, turn = model.layout.tilt(model.mean), hypothesis.scale * score.theta
+    now = np.concatenate([
+        tilt_columns(model.robot, model.layout, residual.x.q[residual.owner == part], model.mean,
+                     load, turn) for part, load in enumerate(residual.loads)])
     # What the columns times both turns change, less what the model has of it already.
     columns = now + ((now - residual.x.tilt) @ before)[..., None] * turn / (turn @ turn)
     return beside_delays(replace(hypothesis, prompt=None, columns={
