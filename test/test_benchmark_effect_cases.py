@@ -49,14 +49,14 @@ def test_the_same_seeds_give_the_same_cases_and_development_others():
     plants = {c.plant for c in suite_cases(robot)}
     looked_at = {c.plant for c in suite_cases(robot, development=True)}
     accuracy = {plant for plant, _ in cases_of(SUITES['base'], 2000)}
-    assert plants <= set(seeds.BENCHMARK_PLANTS) and not plants & accuracy
+    assert plants == set(seeds.FINAL_EFFECT_PLANTS) and not plants & accuracy
     assert looked_at <= set(range(540, 600))
 
 
 def test_loads_are_of_no_other_plant_or_suite():
     plants = sorted({c.plant for c in suite_cases(ur10e())})
     drawn = [seed for plant in plants for seed in load_seeds(plant, 6)]
-    assert len(set(drawn)) == 6 * len(plants) and set(drawn) <= set(seeds.BENCHMARK_CASES)
+    assert len(set(drawn)) == 6 * len(plants) and set(drawn) <= set(seeds.FINAL_EFFECT_CASES)
     accuracy = {seed for _, part in cases_of(SUITES['base'], 2000) for seed in part}
     assert not set(drawn) & accuracy
     assert set(load_seeds(545, 6)) <= set(seeds.DEVELOPMENT_CASES)

@@ -3,6 +3,7 @@
 from effects_suite_helpers import finding, JOINT, OTHER, other, result, SWING
 import pytest
 
+from hand_load_estimator.benchmark.effect_goals import verdicts
 from hand_load_estimator.benchmark.effect_outcome import judge
 from hand_load_estimator.benchmark.effect_scores import only_widely, totals
 from hand_load_estimator.residual.diagnosis import CONFIRMED
@@ -141,6 +142,19 @@ def test_what_comes_from_outside_is_right_by_name_only(name, another, found, out
     assert total['single_alone'] == [1, int(right and out)]
     # No model foretells it: it is in no error goal.
     assert total['ratios'] == []
+
+
+def test_a_contact_suspected_as_an_effect_is_in_the_model_and_not_kept_out():
+    found = [finding('external_contact'), finding('backlash', verdict='suspected')]
+    assert totals([result([('external_contact', ())], found)])['kept_out'] == [1, 0]
+
+
+def test_a_diagnosis_that_failed_reaches_no_goal_of_every_case():
+    good = result([('backlash', (JOINT,))], [finding('backlash')])
+    rows = {what: (value, reached) for what, _, value, reached in verdicts(
+        totals([good, {**good, 'failed': 'refused'}]))}
+    value, reached = next(row for what, row in rows.items() if what.startswith('torque error'))
+    assert '(1 of 2;' in value and reached is False
 
 
 def test_a_refused_contact_was_not_kept_out():

@@ -110,6 +110,26 @@ def test_a_load_goes_through_the_effects_as_a_known_one_does(names, samples):
     assert np.abs(through - empty - held).max() > 0.02 * np.abs(held).max()
 
 
+@pytest.mark.parametrize('name', ['torque_scale', 'torque_scale_temperature',
+                                  'load_dependent_friction', 'base_tilt'])
+def test_what_a_gain_may_be_off_by_grows_with_the_load(name, samples):
+    """Its doubt is about the torque of arm and load, not of the arm alone."""
+    model = model_with(four_axes(), (name,), {name: BOUND[name]})
+    where = next(own for use, own in model.slices() if use.name == name
+                 and use.joint in (0, 1) and (use.joint or name == 'base_tilt'))
+    doubt = np.zeros_like(model.covariance)
+    doubt[where.start, where.start] = 0.01 ** 2
+    doubtful = replace(model, covariance=doubt)
+    motion, x, _ = along(model, samples)
+    full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, LOAD)
+    follower = ModelFollower(doubtful)
+    follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
+    parameters = slice(None, -3 * model.robot.n)
+    seen = np.array([np.linalg.norm(follower.update(s).model_columns[1, parameters])
+                     for s in samples])
+    np.testing.assert_allclose(seen, 0.01 * np.abs(full[:, 1, where.start]), atol=1e-9)
+
+
 def columns_of_links(model, x):
     """Return the links' torque (N, n) [Nm]."""
     links = ColumnLayout(model.robot.n, ())

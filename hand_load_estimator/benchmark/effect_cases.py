@@ -31,9 +31,9 @@ OUTSIDE_STRENGTH = 3.0
 ON_ALL = ('torque_scale', 'torque_scale_temperature', 'time_delay')
 SAME_JOINTS = 8
 PLANTS = 20
-# Plants and loads of this suite lie behind those of the base suite.
-_BENCHMARK = seeds.BENCHMARK_PLANTS[120:120 + PLANTS]
+_BENCHMARK = seeds.FINAL_EFFECT_PLANTS
 _DEVELOPMENT = seeds.DEVELOPMENT_PLANTS[40:40 + PLANTS]
+# Development loads of this suite lie behind those of the others.
 _FIRST_LOAD = 50_000
 
 
@@ -203,8 +203,9 @@ def _too_strong(plant, hidden):
 
 def load_seeds(plant, count):
     """Return `count` seeds of loaded runs for a plant of this suite; other plants', others."""
-    benchmark = plant in seeds.BENCHMARK_PLANTS
-    own = seeds.BENCHMARK_CASES if benchmark else seeds.DEVELOPMENT_CASES
-    plants = seeds.BENCHMARK_PLANTS if benchmark else seeds.DEVELOPMENT_PLANTS
-    first = _FIRST_LOAD + count * plants.index(plant)
+    if plant in _BENCHMARK:
+        own, first = seeds.FINAL_EFFECT_CASES, count * _BENCHMARK.index(plant)
+    else:
+        own = seeds.DEVELOPMENT_CASES
+        first = _FIRST_LOAD + count * seeds.DEVELOPMENT_PLANTS.index(plant)
     return own[first:first + count]

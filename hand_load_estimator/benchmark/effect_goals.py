@@ -19,8 +19,8 @@ def verdicts(total):
     """
     rows = [_share('right effect and joint, one effect, strength 2 and 5', total['single'], 90),
             _share('the same, and nothing false confirmed beside', total['single_alone'], 90),
-            _share('the same as the first, also counting answers that name two causes found '
-                   'inseparable beyond those of the issue', total['single_widely'], 90),
+            _share('the same as the first, counting also answers that name the right cause and one '
+                   'that these recordings cannot tell from it', total['single_widely'], 90),
             _share('both of a pair right', total['pairs'], 75),
             _share('both of a pair on one joint right', total['same_joint'], 75),
             _share('right effect and all joints, one effect of the same size on all joints',
@@ -69,15 +69,19 @@ def _every(what, total, figure, goal):
     """Return the row of a goal that each single case has to reach by itself."""
     after, before = ([case[figure][when] for case in total['ratios']]
                      for when in ('after', 'before'))
-    what, wanted, value, reached = _each(what, after, goal)
+    what, wanted, value, reached = _each(what, after, goal, total['failed'])
     return what, wanted, f'{value}; median before {np.median(before):.2f} x', reached
 
 
-def _each(what, after, goal):
-    """Return the row of a goal that each of some ratios has to reach by itself."""
-    within = sum(ratio <= goal for ratio in after)
-    return (what, EVERY, f'{share_text(within, len(after))}; median {np.median(after):.2f} x, '
-            f'worst {max(after):.2f} x', within == len(after))
+def _each(what, after, goal, failed=0):
+    """
+    Return the row of a goal that each of some ratios has to reach by itself.
+
+    failed: cases without a ratio, because their diagnosis failed.
+    """
+    within, cases = sum(ratio <= goal for ratio in after), len(after) + failed
+    return (what, EVERY, f'{share_text(within, cases)}; median {np.median(after):.2f} x, '
+            f'worst {max(after):.2f} x', within == cases)
 
 
 def _together(errors):

@@ -1,5 +1,6 @@
 """What a diagnosis came to: each hidden effect found, named beside, confused, or missed."""
 
+from ..effects import EFFECTS
 from ..residual.diagnosis import CONFIRMED, UNKNOWN
 from ..residual.tracing.confusable import NO_MOTION
 from .effect_cases import FROM_OUTSIDE, NOT_IN_VOCABULARY
@@ -53,8 +54,13 @@ def judge(result, widely=False):
 
 
 def kept_out(result):
-    """Tell whether nothing was taken for an effect of the arm that is none."""
-    return 'failed' not in result and not judge(result)[1]
+    """
+    Tell whether nothing was taken for an effect of the arm that is none.
+
+    Nor suspected as one: what is suspected is in the model written, too.
+    """
+    return 'failed' not in result and not judge(result)[1] and not any(
+        f['verdict'] == SUSPECTED and f['name'] in (*EFFECTS, 'link_inertia') for f in result['findings'])
 
 
 def naming(findings, effect):

@@ -49,7 +49,8 @@ def effects_markdown(results, command, commit, cases=()):
         f'nothing, and {seconds:.0f} s of no-load recordings are diagnosed. Errors are on other '
         f'recordings: torque without load, mass by `bayes` on {LOADED} runs with random known '
         'loads (no other parameter, no other method). Ratios are over the same plant without '
-        'the effect, seen through its first model. '
+        'the effect, seen through its first model, which knows its own recordings only: the '
+        'model after a diagnosis knows those and the diagnosed ones. '
         'A torque ratio is that of the joint where it is largest.', _KNOWN + _judged(ran),
         f'Command: `{command}`, commit {commit}. Seconds are wall clock of the diagnosis alone, '
         'after recordings were read and filtered, in one process among as many as there are '

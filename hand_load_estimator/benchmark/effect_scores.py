@@ -193,6 +193,7 @@ def totals(results):
         'false_beside': sum(len(judge(r)[1]) for r in effects
                             if judge(r)[0][0]['outcome'] in RIGHT),
         'ratios': [_ratios(r) for r in ran],
+        'failed': sum('failed' in r and not _from_outside(r) for r in effects),
         'together': [_one_error(r) for r in measured(results)
                      if r['kind'] in (PAIR, SAME_JOINT, COMMON)],
         'mass': {moment: mass_ratio(ran, 'after', moment) for moment in MASS_MOMENTS}

@@ -21,7 +21,7 @@ from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functio
 from .friction_start import case_run_and_start
 from .offline import offline_beliefs
 from .oracle import added_torque, oracle_of
-from .rivals import COULOMB_VISCOUS
+from .rivals import textbook_model
 from .suites import SUITES
 
 TIMES = (0.1, 0.2, 0.5, 1.0, 3.0, 10.0)   # [s] after motion start; the end of the run follows
@@ -42,7 +42,7 @@ def plant_models(robot, plant, functions=(), folder=None, recorded=None, told=Tr
     evidence = identification_evidence(robot, plant, recorded=recorded, told=told)
     noise = Plant(robot, seed=plant).noise
     models = {'ours': identify(robot, evidence),
-              'textbook': identify(robot, evidence, COULOMB_VISCOUS),
+              'textbook': textbook_model(robot, evidence),
               'nominal': nominal_model(robot, noise ** 2 / RATE)}
     if functions:
         models['difference'] = {name: learn_function(

@@ -21,7 +21,7 @@ from .offline import offline_beliefs
 from .real_course import CourseOf, JUDGED_FROM
 from .real_robots import ARMS, write_robot_file
 from .real_sets import SETS, stage
-from .rivals import COULOMB_VISCOUS, LeastSquares
+from .rivals import LeastSquares, textbook_model
 
 TIMES = (0.5, 1.0, 3.0, 10.0)   # [s] after motion start; the end follows
 MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
@@ -78,7 +78,7 @@ def _models(robot, evidence, methods, folder):
     ours = identify(robot, evidence)
     # All training runs carry one load: KNOWN_LOAD has no others to be learned from.
     functions = [name for name in functions_of(methods) if name != KNOWN_LOAD]
-    return {'ours': ours, 'textbook': identify(robot, evidence, COULOMB_VISCOUS),
+    return {'ours': ours, 'textbook': textbook_model(robot, evidence),
             # How joints are to be weighed, only what the identified model leaves can tell.
             'nominal': nominal_model(robot, ours.residuals.intensity),
             'difference': {name: learn_function(name, folder, ours, evidence)

@@ -12,11 +12,17 @@ import numpy as np
 
 from ..estimators.load_prior import load_prior
 from ..estimators.method import Belief
+from ..identification.identify import identify
 from ..load import message_from_products
 
 STANDING = 0.02   # [rad/s]
 COULOMB_VISCOUS = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
                    'torque_offset')
+
+
+def textbook_model(robot, evidence):
+    """Return the TorqueModel of COULOMB_VISCOUS by plain least squares over all Evidence."""
+    return identify(robot, evidence, COULOMB_VISCOUS, drifting=False)
 
 
 class LeastSquares:

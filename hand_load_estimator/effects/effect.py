@@ -102,7 +102,8 @@ class Effect:
 
     parameters: (name, unit) each; prior_std: as many standard deviations, in fractions of the
     joint's maximum torque per unit, or `absolute`; positive: parameters (by number) that physics
-    allows no other sign, of changes their sum with what was there; columns(x, j, shape) ->
+    allows no other sign, of changes their sum with what was there; of_warmth: those that move
+    nothing at the reference temperature; columns(x, j, shape) ->
     (N, k) for joint j, where shape maps names of `shapes` to values; for an array of m joints and
     arrays of values, (N, m, k).
     in_link_torque: whether a sensor behind the gear sees it. against: the variable it is a
@@ -126,6 +127,7 @@ class Effect:
     absolute: bool = False
     learned: bool = False
     positive: tuple = ()
+    of_warmth: tuple = ()
     derived: Callable | None = None
     # Fields of EffectInput, beside motion and friction state, that the columns read.
     needs: frozenset = frozenset()

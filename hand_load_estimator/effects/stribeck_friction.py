@@ -26,4 +26,4 @@ STRIBECK_FRICTION = Effect(
     (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5),
            least=SLOWEST, most=FASTEST_PEAK), EXPONENT,
      VELOCITY_RANGE, OWN_TRAVEL, POWER),
-    default=True, positive=(0,))
+    default=True, positive=(0,), of_warmth=(1,))

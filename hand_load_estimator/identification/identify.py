@@ -28,8 +28,13 @@ LINK_DOUBT = 0.1
 LEAST_MOTION = 3.0
 
 
-def prior(robot, uses, links_declared):
-    """Return the nominal x (P,) and its covariance P0 (P, P, diagonal)."""
+def prior(robot, uses, links_declared, known=None):
+    """
+    Return the nominal x (P,) and its covariance P0 (P, P, diagonal).
+
+    known (n,) bool: joints whose temperature is, or None for all. Of the others nothing that warmth
+    does is looked for: it would stay as doubtful as it was, and be the largest doubt of all.
+    """
     n = robot.n
     mean = np.zeros(parameter_count(n, uses))
     mean[:10 * n] = robot.nominal_links
@@ -45,6 +50,8 @@ def prior(robot, uses, links_declared):
         std[:10 * n] = np.maximum(std[:10 * n], 1e-5)
     for use, where in effect_slices(n, uses):
         std[where] = use.effect.std(robot.limits.torque[use.joint])
+        if known is not None and not known[use.joint]:
+            std[[where.start + k for k in use.effect.of_warmth]] = 0.0
     return mean, np.diag(std ** 2)
 
 
@@ -62,33 +69,36 @@ def check_effects(names):
                                  ', '.join(searched), todo='find them with `hand_load diagnose`')
 
 
-def declare(robot, names, temperatures_known):
-    """Return (uses, links_declared) for effect names; all joints, default shapes."""
+def declare(robot, names, known):
+    """
+    Return (uses, links_declared) for effect names; all joints, default shapes.
+
+    known (n,) bool: joints whose temperature is; only these have effects of it.
+    """
     names = DEFAULT_EFFECTS if names is None else names
     check_effects(names)
     chosen = [EFFECTS[name] for name in names if name in EFFECTS]
     if robot.effort.kind == 'link_torque' and names is DEFAULT_EFFECTS:
         chosen = [e for e in chosen if e.in_link_torque]
-    if not temperatures_known:
-        chosen = [e for e in chosen if e.name not in NEEDS_TEMPERATURE]
     uses = tuple(EffectUse(e.name, j) for j in range(robot.n) for e in chosen
-                 if not (e.whole_arm and j))
+                 if not (e.whole_arm and j) and (known[j] or e.name not in NEEDS_TEMPERATURE))
     return uses, 'link_inertia' in names
 
 
-def identify(robot, evidence, effects=None, progress=lambda text: None):
+def identify(robot, evidence, effects=None, progress=lambda text: None, drifting=True):
     """
     Return the TorqueModel identified from a list of Evidence.
 
-    effects: names to declare, or None for the default list. Raises ConfigurationError for
+    effects: names to declare, or None for the default list; drifting: whether offset and friction
+    may differ between recordings, which plain least squares does not know of. Raises ConfigurationError for
     unknown effects and RecordingError when the recordings hold too little motion.
     """
     evidence = between_gaps(evidence)
-    temperatures = np.concatenate([e.motion.temperature.ravel() for e in evidence])
-    known = np.isfinite(temperatures).any()
+    temperatures = np.concatenate([e.motion.temperature for e in evidence])
+    known = np.isfinite(temperatures).any(axis=0)
     uses, links_declared = declare(robot, effects, known)
     _require_motion(evidence)
-    mean, covariance = prior(robot, uses, links_declared)
+    mean, covariance = prior(robot, uses, links_declared, known)
     intensity = (0.01 * robot.limits.torque) ** 2 * 0.02
     friction = 0.03 * robot.limits.torque
     x = mean
@@ -104,7 +114,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     searched = uses
     uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
     intensity, drift = noise_left_out(system, (mean, covariance), weights, friction)
-    system, stated = system.with_drift(drift), system.weights(intensity, friction)
+    system, stated = (system.with_drift(drift) if drifting else system,
+                      system.weights(intensity, friction))
     uses, x, posterior = with_knees_fitted(system, uses, searched, mean, covariance, stated)
     left_out = held_out(system, mean, covariance, stated)
     unjudged = TorqueModel(robot, uses, links_declared, x, posterior, None)
@@ -117,7 +128,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None):
     seen = temperatures[np.isfinite(temperatures)]
     return TorqueModel(robot, uses, links_declared, x, posterior, residuals,
                        tuple(dict.fromkeys(e.mark for e in evidence)),
-                       (float(seen.min()), float(seen.max())) if known else None)
+                       (float(seen.min()), float(seen.max())) if known.any() else None)
 
 
 def _require_motion(evidence):

@@ -72,15 +72,16 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     """
     evidence = between_gaps(evidence)
     own = made_from(model, evidence)
-    mean, covariance = _prior(model, uses, changed, own, moved_joints(evidence))
+    known = np.isfinite(np.concatenate([e.motion.temperature for e in evidence])).any(axis=0)
+    mean, covariance = _prior(model, uses, changed, own, (moved_joints(evidence), known))
     links = _links_declared(model, changed)
     return _identified(model, (uses, links, together), (mean, covariance), evidence, own)
 
 
-def _prior(model, uses, changed, own, moved):
-    robot = model.robot
+def _prior(model, uses, changed, own, told):
+    robot, (moved, known) = model.robot, told
     links = _links_declared(model, changed)
-    first, wide = prior(robot, uses, links)
+    first, wide = prior(robot, uses, links, known)
     if own:
         return first, _widened(wide, robot, uses, changed)
     mean, covariance = first.copy(), np.zeros_like(wide)

@@ -52,6 +52,29 @@ def load_through_effects(model, columns, load, x, believed, gear):
     return gain[:, None] * load + leaning, turned
 
 
+def columns_with_load(model, columns, x, products, gear):
+    """
+    Return columns Y (1, n, P) as they are with a load of products (10,): what effects that depend
+    on torques may be off by grows with it.
+
+    columns: without, of EffectInput x; gear: of gear_with the load. A delay's are left as they are.
+    """
+    robot, out = model.robot, columns.copy()
+    held = robot.load_columns(columns[0, :, :10 * robot.n]) @ products
+    for use, where in model.slices():
+        j, k = use.joint, where.start
+        if use.name == 'torque_scale':
+            out[0, j, k] += held[j]
+        elif use.name == 'torque_scale_temperature':
+            out[0, j, k] += x.warmth[0, j] * held[j]
+        elif use.name == 'load_dependent_friction':
+            out[0, j, k] = shown_size(*gear)[j] * direction(x, j, use.shape)[0]
+        elif use.name == 'base_tilt':
+            out[0, :, where] += np.transpose(
+                robot.tilted_load_columns(x.q[0], model.mean[where]) @ products)
+    return out
+
+
 def load_while_sliding(model, state, temperature, products):
     """
     Return K (n, 10) and torque (n,) of load_through_effects while sliding steadily, for planning.

@@ -9,7 +9,7 @@ from ..load import products_from_message
 from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .columns import real_torque, torque_columns, warmth_of
 from .late_rows import LateRows
-from .load_through_effects import gear_with, load_through_effects
+from .load_through_effects import columns_with_load, gear_with, load_through_effects
 from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
@@ -99,11 +99,11 @@ class ModelFollower:
 
     def carry(self, belief, method, beside=0.0):
         """
-        Take a Method's Belief of the load: its torque too decides which way gears are loaded.
+        Take a Method's Belief of the load: its torque too loads gears, and what effects may be off by.
 
         beside: products (10,) of what is held and not in the belief.
         """
-        if self.model.layout.needs & {'gear', 'play'}:
+        if self.model.layout.needs:
             self._carried = products_from_message(belief.mean) + method.tared + beside
 
     def _gear(self, x):
@@ -158,7 +158,9 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
-        nuisances = nuisance_columns(columns, self._uncertain, self._drift, x.z, x.v)[0]
+        told = columns if not self.model.layout.needs else columns_with_load(
+            self.model, columns, x, self._carried, gear)
+        nuisances = nuisance_columns(told, self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
