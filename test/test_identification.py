@@ -15,6 +15,7 @@ from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.identification.evidence import between_gaps, Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
+from hand_load_estimator.identification.mixed_temperatures import mixed_temperatures
 from hand_load_estimator.identification.regression_system import posterior_of, System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion
@@ -241,6 +242,16 @@ def test_a_joint_without_a_sensor_has_no_effect_of_temperature(made):
               for use, where in model.slices() if use.name == 'stribeck_friction'}
     assert slopes[1] == 0.0 and min(slopes[0], slopes[2], slopes[3]) > 0.0
     assert model.temperatures is not None
+
+
+def test_a_recording_without_the_temperatures_that_others_have_is_told(made):
+    first, second = made.evidence[:2]
+    blind = replace(second, motion=replace(second.motion, temperature=np.where(
+        np.arange(4) == 1, np.nan, second.motion.temperature)))
+    (said,) = mixed_temperatures(made.robot, [first, blind])
+    assert said.startswith(f'WARNING: {second.name} holds no temperature of {made.robot.joints[1]}')
+    assert not mixed_temperatures(made.robot, [first, second])
+    assert not mixed_temperatures(made.robot, [blind, blind])
 
 
 def test_motion_is_cut_where_joint_states_are_missing(made):

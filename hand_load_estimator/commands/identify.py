@@ -71,6 +71,7 @@ def run(args):
     """Identify, write the model and say how good it is."""
     from ..identification.identify import check_effects
     from ..identification.identified_sense import nonsense, refuse_nonsense
+    from ..identification.mixed_temperatures import mixed_temperatures
     from ..torque.model_file import read_model, SCHEMA, write_model
     from ..files.output_file import output_file
     from ..residual.measured.repeats import share_repeated
@@ -90,7 +91,8 @@ def run(args):
     refuse_nonsense(robot, evidence, senseless)
     write_model(out, dated(model, model.residuals.sliding))
     _report(model, args.out)
-    for said in filter(None, (*senseless.values(), told_of_unknown_friction(model))):
+    for said in filter(None, (*senseless.values(), told_of_unknown_friction(model),
+                              *mixed_temperatures(robot, evidence))):
         _say(said)
     again = share_repeated(evidence)
     if again > REPEATED:
