@@ -7,6 +7,7 @@ from ..motions.trajectory import Trajectory
 _RAMP = 0.05           # [s] rise and fall of the deceleration, so that the drives see no step
 _STOP_TIMES = np.geomspace(0.12, 2.0, 18)
 _SAMPLES = 9
+WORTH = 1.1
 
 
 def braking_trajectory(q, v, use, max_acceleration):
@@ -14,10 +15,10 @@ def braking_trajectory(q, v, use, max_acceleration):
     Return the shortest Trajectory to rest that keeps the torques, from time 0 on.
 
     q, v (n,): state now [rad], [rad/s]; use: TorqueUse; max_acceleration (n,) [rad/s^2]. When no
-    stop keeps the torques, the one that uses least. The last knot has zero velocity.
+    stop keeps the torques, the shortest that uses hardly more than the one that uses least. The last knot has zero velocity.
     """
     q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
-    best, least = None, np.inf
+    tried = []
     for duration in _STOP_TIMES:
         trajectory = _stop(q, v, duration)
         times = np.linspace(0.0, duration, _SAMPLES)
@@ -26,9 +27,10 @@ def braking_trajectory(q, v, use, max_acceleration):
         share = max(share, float(np.max(np.abs(accelerations) / max_acceleration)))
         if share <= 1.0:
             return trajectory
-        if share < least:
-            best, least = trajectory, share
-    return best
+        tried.append((share, trajectory))
+    least = min(share for share, _ in tried)
+    # What holding the arm takes, all stops need: a little less of it is not worth travelling on.
+    return next(trajectory for share, trajectory in tried if share <= WORTH * least)
 
 
 def _stop(q, v, duration):

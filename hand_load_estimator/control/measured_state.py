@@ -8,16 +8,22 @@ _TIMEOUT = 0.5           # [s] without joint states: they have stopped
 
 
 class MeasuredState:
-    """Position q (n,) [rad] and velocity v (n,) [rad/s], NaN where unknown; None before any."""
+    """
+    Position q (n,) [rad] and velocity v (n,) [rad/s], NaN where unknown; None before any.
+
+    count: joint states taken.
+    """
 
     def __init__(self):
         self.q = self.v = None
         self._at = self._earlier = None
         self._speed = np.inf
+        self.count = 0
 
     def take(self, now, q, v):
         """Take q and v measured at `now` [s]."""
         self.q, self.v, self._at = q, v, now
+        self.count += 1
         if np.isfinite(v).all():
             self._speed = np.max(np.abs(v))
         elif self._earlier is None or not 0.0 <= now - self._earlier[0] < _TIMEOUT:
@@ -25,6 +31,10 @@ class MeasuredState:
         elif now - self._earlier[0] >= _FRESH:
             moved = np.max(np.abs(q - self._earlier[1]))
             self._earlier, self._speed = (now, q), moved / (now - self._earlier[0])
+
+    def at(self, now):
+        """Return where the arm is by now (n,), should its velocity be known and still hold."""
+        return self.q + np.nan_to_num(self.v) * self._age(now)
 
     def fresh(self, now):
         """Tell whether it says where a moving arm is."""
