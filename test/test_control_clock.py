@@ -30,12 +30,13 @@ def stalled(cell, heard=True):
 
 def set_ahead(cell):
     """Set the clock ahead under an arm that moves on as before."""
+    sent = len(cell.sent)
     cell.now += 6.0
     cell.arm._plan = cell.arm._plan.shifted(6.0)
     cell.hearing = False
     cell.run(TICK)
     cell.hearing = True
-    assert cell.supervisor.counts['late_tick'] == 1 and not cell.sent[-1][0].duration < 0.5
+    assert cell.supervisor.counts['late_tick'] == 1 and len(cell.sent) == sent
     cell.run(TICK)
     assert cell.supervisor.counts['clock_jump'] == 1
 

@@ -90,7 +90,8 @@ def test_a_restart_forgets_the_torque_before(samples):
 
 @pytest.mark.parametrize('names', [
     ('torque_scale',), ('torque_scale_temperature',), ('load_dependent_friction',),
-    ('base_tilt',), ('time_delay',), ('time_delay', 'torque_scale'), ('time_delay', 'load_dependent_friction')])
+    ('base_tilt',), ('time_delay',),
+    ('time_delay', 'torque_scale'), ('time_delay', 'load_dependent_friction')])
 def test_a_load_goes_through_the_effects_as_a_known_one_does(names, samples):
     """K m online is what identification adds to the torque for a known load m."""
     model = model_with(four_axes(), names, {name: BOUND[name] for name in names})

@@ -1,6 +1,5 @@
 """Identification finds the parameters of an arm made of the torque model itself."""
 
-from dataclasses import replace
 import re
 
 from core_helpers import block, exact_model, four_axes, messages, recording_of
@@ -9,13 +8,11 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.cli import main
-from hand_load_estimator.effects import (DEFAULT_EFFECTS, EFFECTS, EffectInput,
-                                         NEEDS_TEMPERATURE)
+from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
 from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
-from hand_load_estimator.identification.evidence import between_gaps, Evidence, prepare
+from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
-from hand_load_estimator.identification.mixed_temperatures import mixed_temperatures
 from hand_load_estimator.identification.regression_system import posterior_of, System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion
@@ -229,42 +226,6 @@ def test_every_effect_by_default():
     uses, links = declare(four_axes(), None, np.ones(4, dtype=bool))
     assert links and {u.name for u in uses} == set(DEFAULT_EFFECTS) - {'link_inertia'}
     assert len(uses) == 4 * (len(DEFAULT_EFFECTS) - 1)
-
-
-def test_a_joint_without_a_sensor_has_no_effect_of_temperature(made):
-    """What no data tell would keep its prior, and be the largest of the model's doubts."""
-    blind = [replace(e, motion=replace(e.motion, temperature=np.where(
-        np.arange(4) == 1, np.nan, e.motion.temperature))) for e in made.evidence]
-    model = identify(made.robot, blind)
-    of_warmth = {(u.name, u.joint) for u in model.uses if u.name in NEEDS_TEMPERATURE}
-    assert {joint for _, joint in of_warmth} == {0, 2, 3}
-    slopes = {use.joint: model.covariance[where.stop - 1, where.stop - 1]
-              for use, where in model.slices() if use.name == 'stribeck_friction'}
-    assert slopes[1] == 0.0 and min(slopes[0], slopes[2], slopes[3]) > 0.0
-    assert model.temperatures is not None
-
-
-def test_a_recording_without_the_temperatures_that_others_have_is_told(made):
-    first, second = made.evidence[:2]
-    blind = replace(second, motion=replace(second.motion, temperature=np.where(
-        np.arange(4) == 1, np.nan, second.motion.temperature)))
-    (said,) = mixed_temperatures(made.robot, [first, blind])
-    assert said.startswith(f'WARNING: {second.name} holds no temperature of {made.robot.joints[1]}')
-    assert not mixed_temperatures(made.robot, [first, second])
-    assert not mixed_temperatures(made.robot, [blind, blind])
-
-
-def test_motion_is_cut_where_joint_states_are_missing(made):
-    """A delay reads the torque of a moment ago: across a gap there is none."""
-    whole = made.evidence[0]
-    motion = whole.motion
-    later = replace(motion, stamp=motion.stamp + 0.5 * (np.arange(len(motion.stamp)) >= 900))
-    parts = between_gaps([replace(whole, motion=later), whole])
-    assert [len(p.torque) for p in parts] == [900, len(whole.torque) - 900, len(whole.torque)]
-    assert parts[0].mark == parts[1].mark == whole.mark and parts[2] is whole
-    model = identify(made.robot, [replace(made.evidence[0], motion=later), *made.evidence[1:]],
-                     list(NAMES))
-    assert model.recordings == tuple(e.mark for e in made.evidence)
 
 
 def test_a_nominal_model_is_the_robot_file():

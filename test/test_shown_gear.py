@@ -68,8 +68,8 @@ def test_a_snap_leaves_half_as_much_of_the_friction_of_teeth(loaded, monkeypatch
     samples = snapped(robot, mean, loaded)
     left = [rms_left(model, samples, loaded)]
     # As it was: the size of what the filter shows.
-    monkeypatch.setattr('hand_load_estimator.torque.load_through_effects.shown_links_and_way', _no_way)
-    monkeypatch.setattr('hand_load_estimator.torque.columns.shown_links_and_way', _no_way)
+    for user in ('load_through_effects', 'columns'):
+        monkeypatch.setattr(f'hand_load_estimator.torque.{user}.shown_links_and_way', _no_way)
     left.append(rms_left(model, samples, loaded))
     assert left[0] < 0.55 * left[1], left
 

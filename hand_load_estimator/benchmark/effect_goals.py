@@ -19,8 +19,8 @@ def verdicts(total):
     """
     rows = [_share('right effect and joint, one effect, strength 2 and 5', total['single'], 90),
             _share('the same, and nothing false confirmed beside', total['single_alone'], 90),
-            _share('the same as the first, counting also answers that name the right cause and one '
-                   'that these recordings cannot tell from it', total['single_widely'], 90),
+            _share('the same as the first, counting also answers that name the right cause and '
+                   'one that these recordings cannot tell from it', total['single_widely'], 90),
             _share('both of a pair right', total['pairs'], 75),
             _share('both of a pair on one joint right', total['same_joint'], 75),
             _share('right effect and all joints, one effect of the same size on all joints',

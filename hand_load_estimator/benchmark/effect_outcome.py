@@ -60,7 +60,8 @@ def kept_out(result):
     Nor suspected as one: what is suspected is in the model written, too.
     """
     return 'failed' not in result and not judge(result)[1] and not any(
-        f['verdict'] == SUSPECTED and f['name'] in (*EFFECTS, 'link_inertia') for f in result['findings'])
+        f['verdict'] == SUSPECTED and f['name'] in (*EFFECTS, 'link_inertia')
+        for f in result['findings'])
 
 
 def naming(findings, effect):

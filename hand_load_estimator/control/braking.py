@@ -15,7 +15,8 @@ def braking_trajectory(q, v, use, max_acceleration):
     Return the shortest Trajectory to rest that keeps the torques, from time 0 on.
 
     q, v (n,): state now [rad], [rad/s]; use: TorqueUse; max_acceleration (n,) [rad/s^2]. When no
-    stop keeps the torques, the shortest that uses hardly more than the one that uses least. The last knot has zero velocity.
+    stop keeps the torques, the shortest that uses hardly more than the one that uses least. The
+    last knot has zero velocity.
     """
     q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
     tried = []

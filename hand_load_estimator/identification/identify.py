@@ -32,8 +32,8 @@ def prior(robot, uses, links_declared, known=None):
     """
     Return the nominal x (P,) and its covariance P0 (P, P, diagonal).
 
-    known (n,) bool: joints whose temperature is, or None for all. Of the others nothing that warmth
-    does is looked for: it would stay as doubtful as it was, and be the largest doubt of all.
+    known (n,) bool: joints whose temperature is, or None for all. Of the others nothing that
+    warmth does is looked for: it would stay as doubtful as it was, and be the largest doubt.
     """
     n = robot.n
     mean = np.zeros(parameter_count(n, uses))
@@ -90,8 +90,9 @@ def identify(robot, evidence, effects=None, progress=lambda text: None, drifting
     Return the TorqueModel identified from a list of Evidence.
 
     effects: names to declare, or None for the default list; drifting: whether offset and friction
-    may differ between recordings, which plain least squares does not know of. Raises ConfigurationError for
-    unknown effects and RecordingError when the recordings hold too little motion.
+    may differ between recordings, which plain least squares does not know of. Raises
+    ConfigurationError for unknown effects and RecordingError when the recordings hold too little
+    motion.
     """
     evidence = between_gaps(evidence)
     temperatures = np.concatenate([e.motion.temperature for e in evidence])
@@ -136,8 +137,9 @@ def _require_motion(evidence):
                  for e in evidence)
     if moving < LEAST_MOTION:
         raise RecordingError(
-            f'{", ".join(dict.fromkeys(e.name for e in evidence))}: hold {moving:.1f} s of motion; at least '
-            f'{LEAST_MOTION:g} s are needed; record a motion of `hand_load excite`')
+            f'{", ".join(dict.fromkeys(e.name for e in evidence))}: hold {moving:.1f} s of '
+            f'motion; at least {LEAST_MOTION:g} s are needed; record a motion of '
+            '`hand_load excite`')
 
 
 def nominal_model(robot, noise_intensity):

@@ -13,6 +13,6 @@ def mixed_temperatures(robot, evidence):
     lacking = known.any(axis=0) & ~known
     return [f'WARNING: {e.name} holds no temperature of '
             f'{", ".join(name for name, lacks in zip(robot.joints, row) if lacks)}, which other '
-            f'recordings have: its friction counts as of {robot.reference_temperature:g} degC, and '
-            'what temperature does to it comes out wrong; leave it out, or record it with '
+            f'recordings have: its friction counts as of {robot.reference_temperature:g} degC, '
+            'and what temperature does to it comes out wrong; leave it out, or record it with '
             'temperatures' for e, row in zip(evidence, lacking) if row.any()]

@@ -57,7 +57,7 @@ def columns_with_load(model, columns, x, products, gear):
     Return columns Y (1, n, P) as they are with a load of products (10,): what effects that depend
     on torques may be off by grows with it.
 
-    columns: without, of EffectInput x; gear: of gear_with the load. A delay's are left as they are.
+    columns: without, of EffectInput x; gear: of gear_with the load. A delay's stay.
     """
     robot, out = model.robot, columns.copy()
     held = robot.load_columns(columns[0, :, :10 * robot.n]) @ products

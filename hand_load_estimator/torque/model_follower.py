@@ -99,7 +99,7 @@ class ModelFollower:
 
     def carry(self, belief, method, beside=0.0):
         """
-        Take a Method's Belief of the load: its torque too loads gears, and what effects may be off by.
+        Take a Method's Belief of the load: its torque too loads gears, and effects grow with it.
 
         beside: products (10,) of what is held and not in the belief.
         """

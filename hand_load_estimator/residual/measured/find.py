@@ -39,9 +39,9 @@ class Residual:
     x: EffectInput with everything effects may read; residual, weights (N, n) [Nm], [1/(Nm^2 s) s];
     turning (N, n): weights that count reversals as much as sliding, for what tells how friction
     turns; columns Y (N, n, P) of the model, of which prompt (P,) are of no delay; dt, time (N,)
-    [s]; messages (N,): joint states of each row; owner (N,): part of a recording, loads: what is known
-    to be held in each (LoadParameters); cut: into blocks; moving (N, n): where joints slide; sliding (N, n): where they slide by the watch's
-    stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says
+    [s]; messages (N,): joint states of each row; owner (N,): part of a recording; loads:
+    LoadParameters known to be held in each; cut: into blocks; moving (N, n): where joints slide;
+    sliding (N, n): where they slide by the watch's stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says
     it may be wrong by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays
     {joint: [s]}: how late a joint was found to report its torque, declared what the model says of
     that.
@@ -155,7 +155,8 @@ def find_residual(model, evidence, cut=True):
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
     noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
     own, doubt = declared_delays(model), joined.pop('doubt')
-    return Residual(x, owner=owner, loads=tuple(e.load for e in evidence), prompt=model.layout.prompt, cut=pieces, noise=noise,
+    return Residual(x, owner=owner, loads=tuple(e.load for e in evidence),
+                    prompt=model.layout.prompt, cut=pieces, noise=noise,
                     delays=own, declared=own, expected=np.sqrt(doubt.mean(axis=0)), **joined)
 
 
