@@ -20,13 +20,6 @@ def domain():
 
 
 @pytest.fixture
-def listener(domain):
-    """Yield a Listener on the test's domain."""
-    with Listener(domain) as node:
-        yield node
-
-
-@pytest.fixture
 def start(domain):
     """Yield start(node, *arguments, **keywords) -> NodeProcess; all are ended after the test."""
     processes = []
@@ -36,5 +29,20 @@ def start(domain):
         return processes[-1]
 
     yield start_process
+    # Asked first: one that is killed leaves its shared memory behind, for the next in its domain.
     for process in processes:
-        process.kill()
+        process.ask()
+    for process in processes:
+        process.kill(patience=5.0)
+
+
+@pytest.fixture
+def listener(domain, start):
+    """
+    Yield a Listener on the test's domain; it goes before the nodes it heard.
+
+    After a node was killed Fast DDS 2.14 crashes, once in a hundred times, in the destruction of
+    a participant that heard it: the killed one may have held the lock of its shared memory.
+    """
+    with Listener(domain) as node:
+        yield node

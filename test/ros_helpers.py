@@ -60,9 +60,16 @@ class NodeProcess:
         except subprocess.TimeoutExpired:
             raise AssertionError(f'does not end; it said:\n{self.output}') from None
 
-    def kill(self):
-        """End it whatever happens."""
+    def ask(self):
+        """Ask it to end, and do not wait."""
         if self.process.poll() is None:
+            self._send(signal.SIGTERM)
+
+    def kill(self, patience=0.0):
+        """End it whatever happens, at the latest in `patience` [s]."""
+        try:
+            self.process.wait(patience)
+        except subprocess.TimeoutExpired:
             self._send(signal.SIGKILL)
             self.process.wait()
 
