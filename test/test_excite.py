@@ -31,8 +31,8 @@ def short_search(monkeypatch):
     monkeypatch.setattr(excitation, 'REFINEMENTS', 6)
 
 
-def searched(robot, speed=1.0, reach=1.0, seed=0):
-    search = Search(robot, make_box(robot, CENTRE, reach, speed), DURATION,
+def searched(robot, reach=1.0, seed=0):
+    search = Search(robot, make_box(robot, CENTRE, reach), DURATION,
                     0.005 * robot.limits.torque, seed)
     return search, search.run(lambda *_: None)
 
@@ -89,11 +89,19 @@ def test_a_tight_torque_limit_is_kept(robot):
     assert np.ptp(q[:, 1]) < np.ptp(loose.position[:, 1])
 
 
-def test_speed_scales_the_velocities(robot):
-    search, motion = searched(robot, speed=0.25)
-    _, v, a = dense(search.trajectory(motion))
-    assert np.all(np.abs(v) < 0.25 * robot.limits.velocity)
-    assert np.all(np.abs(a) < 0.25**2 * robot.limits.acceleration)
+def test_a_slower_motion_is_the_same_path(tmp_path):
+    def written(name, speed):
+        out = tmp_path / name
+        assert main(['excite', '--robot', 'ur10e', '--out', str(out), '--duration', '12',
+                     '--centre=' + ','.join(map(str, CENTRE)), '--speed', str(speed)]) == 0
+        return read_trajectory_csv(out.with_suffix('.csv'))[1]
+
+    fast, slow = written('fast', 1), written('slow', 0.25)
+    assert slow.duration == pytest.approx(4.0 * fast.duration)
+    for moment in np.linspace(0.0, fast.duration, 50):
+        q, v, a = fast.sample(moment)
+        assert slow.sample(4.0 * moment)[0] == pytest.approx(q, abs=1e-5)
+        assert slow.sample(4.0 * moment)[1] == pytest.approx(0.25 * v, abs=1e-4)
 
 
 def test_search_improves_and_repeats(robot):

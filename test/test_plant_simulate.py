@@ -7,7 +7,7 @@ from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.motions.trajectory import write_trajectory_csv
+from hand_load_estimator.motions.trajectory import Trajectory, write_trajectory_csv
 from hand_load_estimator.plant import JointEvent, simulate_motion, TemperatureEvent
 from hand_load_estimator.plant.difficulty import DEFAULT
 from hand_load_estimator.recording import arrays, read_recording
@@ -61,6 +61,15 @@ def test_a_motion_file_is_followed_in_its_own_time(tmp_path):
     time, position, _, _ = arrays(read_recording(path), robot.joints)
     assert status == 0 and time[-1] - time[0] == pytest.approx(6.5)
     np.testing.assert_allclose(position[-1], motion.position[-1], atol=0.01)
+
+
+def test_a_motion_that_the_arm_refuses_leaves_nothing(tmp_path, capsys):
+    robot = ur10e()
+    motion = named_motion('pick_place', robot, 3.0, seed=2)
+    beyond = Trajectory(motion.time, motion.position + 7.0, motion.velocity, motion.acceleration)
+    write_trajectory_csv(tmp_path / 'motion.csv', robot.joints, beyond)
+    status, path = simulate(tmp_path, '--motion', str(tmp_path / 'motion.csv'))
+    assert status == 2 and 'limits of the URDF' in capsys.readouterr().err and not path.exists()
 
 
 WRONG = {

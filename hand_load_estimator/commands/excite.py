@@ -11,7 +11,7 @@ from ..files.output_file import output_file
 from ..files.shared_files import find_shared
 from ..files.trajectory_message import write_trajectory_message
 from ..motions.excitation import make_box, Search
-from ..motions.excitation_information import INDEPENDENT_RATE
+from ..motions.excitation_information import INDEPENDENT_RATE, Information
 from ..motions.excitation_limits import (check_centre, check_chosen_centre, choose_centre,
                                          torque_use)
 from ..motions.trajectory import write_trajectory_csv
@@ -34,14 +34,15 @@ def add_arguments(parser):
                         help='motion to write: MOTION.csv and, as a JointTrajectory message, '
                              'MOTION.yaml')
     parser.add_argument('--duration', metavar='S', type=float, default=60.0,
-                        help='length [s] (default: %(default)g)')
+                        help='length at full speed [s] (default: %(default)g)')
     parser.add_argument('--centre', metavar='Q1,Q2,...',
                         help='joint positions [rad] where the motion begins and ends (default: '
                              'where the arm has most room above its base)')
     parser.add_argument('--reach', metavar='RAD', type=float, default=1.2,
                         help='farthest from the centre, per joint [rad] (default: %(default)g)')
     parser.add_argument('--speed', metavar='SCALE', type=float, default=1.0,
-                        help='share of the velocity limits to use (default: %(default)g)')
+                        help='the same path at a share of its speed, at 0.5 twice as long '
+                             '(default: %(default)g)')
     parser.add_argument('--noise', metavar='NM,NM,...',
                         help='torque error per joint [Nm] for the expected covariance '
                              f'(default: {_DEFAULT_NOISE:g} x max_torque)')
@@ -87,9 +88,20 @@ def _per_joint(values):
     return ' '.join(f'{v:.3g}' for v in values)
 
 
-def _report(robot, search, motion, trajectory, noise):
-    samples = search.samples(motion)
-    whole, links = search.information.torque_std(*samples)
+def _expected(information, trajectory):
+    """Print what the motion will tell of the parameters, at any speed of later work."""
+    samples = trajectory.sample(np.arange(0.0, trajectory.end, 1.0 / information.rate))
+    whole, links = information.torque_std(*samples)
+    print(f'expected with errors of {_per_joint(information.noise)} Nm, {INDEPENDENT_RATE:g} '
+          f'independent ones a second, for {information.base_parameters} base parameters:')
+    print(f'  std of predicted torque [Nm]: {_per_joint(whole)}')
+    print(f'  by the links alone [Nm]: {_per_joint(links)} (friction and offset take up a part)')
+    for name, std in information.friction_std(*samples).items():
+        unit = 'Nm' if name == 'coulomb' else 'Nm s/rad'
+        print(f'  std of {name} friction [{unit}]: {_per_joint(std)}')
+
+
+def _report(robot, information, trajectory, clearance):
     print(f'joints: {", ".join(robot.joints)}')
     print(f'centre [rad]: {_per_joint(trajectory.position[0])}')
     print('range [rad]: ' + '  '.join(
@@ -102,21 +114,15 @@ def _report(robot, search, motion, trajectory, noise):
     use = torque_use(robot, trajectory.position, trajectory.velocity, trajectory.acceleration,
                      allowed)
     print(f'torque without load: {use:.0%} of the allowed at most')
-    print(f'expected with errors of {_per_joint(noise)} Nm, {INDEPENDENT_RATE:g} independent '
-          f'ones a second, for {search.information.base_parameters} base parameters:')
-    print(f'  std of predicted torque [Nm]: {_per_joint(whole)}')
-    print(f'  by the links alone [Nm]: {_per_joint(links)} (friction and offset take up a part)')
-    for name, std in search.information.friction_std(*samples).items():
-        unit = 'Nm' if name == 'coulomb' else 'Nm s/rad'
-        print(f'  std of {name} friction [{unit}]: {_per_joint(std)}')
-    if motion.clearance > 0.0:
-        print(f'joint origins and load frame stay {motion.clearance:.2f} m from mounting plane '
+    _expected(information, trajectory)
+    if clearance > 0.0:
+        print(f'joint origins and load frame stay {clearance:.2f} m from mounting plane '
               'and base column')
     else:
         print('WARNING: the motion goes below the mounting plane or through the base column; '
               'choose another --centre or a smaller --reach')
     print('Collisions are not checked. Move to the centre, run it with a small --speed first, '
-          'and watch.')
+          'and watch: it is the same path.')
 
 
 def _centre(robot, args):
@@ -142,12 +148,15 @@ def run(args):
     if np.any(noise <= 0.0):
         raise ConfigurationError('--noise', 'is not usable', args.noise, 'above 0 [Nm]')
     centre = _centre(robot, args)
-    search = Search(robot, make_box(robot, centre, args.reach, args.speed), args.duration, noise,
-                    args.seed)
+    box = make_box(robot, centre, args.reach)
+    # Searched at full speed, whatever --speed: what was watched slowly must be what runs fast.
+    search = Search(robot, box, args.duration, noise, args.seed)
     motion = search.run(_Progress())
-    trajectory = search.trajectory(motion)
+    trajectory = search.trajectory(motion).at_speed(args.speed)
     write_trajectory_csv(csv_path, robot.joints, trajectory)
     write_trajectory_message(message_path, robot.joints, trajectory)
-    _report(robot, search, motion, trajectory, noise)
+    information = Information(robot, box, noise, trajectory.duration,
+                              np.random.default_rng(args.seed))
+    _report(robot, information, trajectory, motion.clearance)
     print(f'written: {csv_path} and {message_path} ({trajectory.duration:.1f} s)')
     return 0

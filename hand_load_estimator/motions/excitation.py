@@ -39,16 +39,12 @@ class Box:
     torque: np.ndarray
 
 
-def make_box(robot, centre, reach, speed=1.0):
-    """
-    Return the Box within the robot's limits around centre (n,), at most `reach` [rad] wide.
-
-    speed: scale of velocity; acceleration goes with its square, the path stays the same.
-    """
+def make_box(robot, centre, reach):
+    """Return the Box within the robot's limits around centre (n,), at most `reach` [rad] wide."""
     limits = robot.limits
     room = np.minimum(limits.upper - centre, centre - limits.lower)
-    return Box(np.array(centre), _USE * np.minimum(reach, room), _USE * speed * limits.velocity,
-               _USE * speed**2 * limits.acceleration, _USE * limits.allowed_torque * limits.torque)
+    return Box(np.array(centre), _USE * np.minimum(reach, room), _USE * limits.velocity,
+               _USE * limits.acceleration, _USE * limits.allowed_torque * limits.torque)
 
 
 class _Part:

@@ -23,7 +23,7 @@ class Information:
     """
 
     def __init__(self, robot, box, noise, duration, random):
-        self._robot, self._noise = robot, np.asarray(noise, dtype=float)
+        self._robot, self.noise = robot, np.asarray(noise, dtype=float)
         self._friction = 1 if robot.effort.kind == 'link_torque' else len(FRICTION)
         self.rate = min(INDEPENDENT_RATE, _MOST_SAMPLES / duration)
         self._test = self._test_points(box, random)
@@ -49,7 +49,7 @@ class Information:
         whole = np.einsum('tjp,pq,tjq->j', self._test, full, self._test) / len(self._test)
         part = self._test[:, :, :links]
         link = np.einsum('tjp,pq,tjq->j', part, full[:links, :links], part) / len(self._test)
-        return self._noise * np.sqrt(whole), self._noise * np.sqrt(link)
+        return self.noise * np.sqrt(whole), self.noise * np.sqrt(link)
 
     def friction_std(self, q, v, a):
         """Return {name: expected std (n,)} of the friction parameters, empty for link torque."""
@@ -76,7 +76,7 @@ class Information:
         for j in range(n):
             for i, term in enumerate(terms):
                 rows[:, j, 10 * n + self._friction * j + i] = term[:, j]
-        return rows / self._noise[:, None]
+        return rows / self.noise[:, None]
 
     def _test_points(self, box, random):
         """Return the regressor at points as a working arm meets them."""

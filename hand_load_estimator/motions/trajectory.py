@@ -69,6 +69,11 @@ class Trajectory:
         """Count of joints."""
         return self.position.shape[1]
 
+    def at_speed(self, share):
+        """Return the same path from time 0 on, at a share of its speed (0.5: twice as long)."""
+        return Trajectory((self.time - self.start) / share, self.position,
+                          self.velocity * share, self.acceleration * share ** 2)
+
     def sample(self, t):
         """
         Return position, velocity, acceleration at time t [s].

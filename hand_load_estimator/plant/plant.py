@@ -1,5 +1,7 @@
 """The simulated arm: everything a real one has between a trajectory and its joint states."""
 
+from copy import deepcopy
+
 import numpy as np
 
 from ..load import LoadParameters, together
@@ -131,6 +133,10 @@ class Plant:
         positions that the URDF's limits exclude.
         """
         self._setpoint.take(self.time, names, times, positions, velocities, accelerations)
+
+    def refuse_trajectory(self, *trajectory):
+        """Raise what set_trajectory would, and move nothing."""
+        deepcopy(self._setpoint).take(self.time, *trajectory)
 
     def step(self):
         """Advance one sensor period."""

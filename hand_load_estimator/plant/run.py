@@ -32,7 +32,8 @@ def simulate_motion(robot, time, position, velocity=None, acceleration=None, *, 
     """
     Return the JointEvents and TemperatureEvents, one by one, of a new Plant led along a motion.
 
-    The Plant is built at once, so that what it refuses is refused before anything is written.
+    The Plant is built and shown the motion at once, so that what it refuses is refused before
+    anything is written.
 
     time (k,) [s] from the motion's start; position, velocity, acceleration (k, n) as
     Plant.set_trajectory takes them. The arm stands at the first position for `settle` [s]
@@ -40,6 +41,7 @@ def simulate_motion(robot, time, position, velocity=None, acceleration=None, *, 
     in order of time. plant_arguments: as of Plant (seed, load, effects, start_temperature, ...).
     """
     plant = Plant(robot, start_position=np.array(position[0], dtype=float), **plant_arguments)
+    plant.refuse_trajectory(robot.joints, time, position, velocity, acceleration)
     return follow_motion(plant, time, position, velocity, acceleration, settle=settle,
                          load_changes=load_changes)
 

@@ -9,7 +9,7 @@ from ..files.load_file import load_of_argument, placed, write_load_file
 from ..files.output_file import output_folder
 from ..files.shared_files import find_shared
 from ..load import LoadParameters
-from ..motions.trajectory import read_trajectory_csv, Trajectory
+from ..motions.trajectory import read_trajectory_csv
 from ..number_argument import number
 from ..plant import JointEvent, read_effects, simulate_motion
 from ..recording import JointSample, RecordingWriter, TemperatureSample
@@ -65,10 +65,7 @@ def _motion(args, robot):
     if args.duration is not None:
         raise ConfigurationError('--duration', 'does not go with a motion file', args.duration,
                                  'motions by name', 'leave it out: the file has its own')
-    _, motion = read_trajectory_csv(args.motion, robot.joints)
-    speed = args.speed
-    return Trajectory((motion.time - motion.start) / speed, motion.position,
-                      motion.velocity * speed, motion.acceleration * speed ** 2)
+    return read_trajectory_csv(args.motion, robot.joints)[1].at_speed(args.speed)
 
 
 def samples_of(event, joints):
