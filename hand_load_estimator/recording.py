@@ -15,6 +15,7 @@ from .load import LoadParameters
 
 JOINT_STATES = 'joint_states'
 TEMPERATURES = 'joint_temperatures'
+NO_TEMPERATURES = 'none'
 _JOINT_STATE_TYPE = 'sensor_msgs/msg/JointState'
 _TEMPERATURE_TYPE = 'sensor_msgs/msg/Temperature'
 _BAG_VERSION = 9
@@ -100,12 +101,25 @@ def _connections(bag, path, topic, wanted_type, required):
     return found
 
 
+def _temperature_connections(bag, path, joint_states, topic):
+    """Return the connections of temperatures: optional, unless asked for by name."""
+    if topic == NO_TEMPERATURES:
+        return []
+    named = topic.lstrip('/') != TEMPERATURES
+    if not named and '/' in joint_states.lstrip('/'):
+        # A driver in a namespace has both of its topics there.
+        topic = f'{joint_states.rpartition("/")[0]}/{TEMPERATURES}'
+    try:
+        return _connections(bag, path, topic, _TEMPERATURE_TYPE, named)
+    except RecordingError as error:
+        raise RecordingError(f'{error}; `--temperatures {NO_TEMPERATURES}` reads the recording '
+                             'without') from None
+
+
 def _samples(path, joint_states, temperatures):
     with Reader(path) as bag:
         wanted = _connections(bag, path, joint_states, _JOINT_STATE_TYPE, True)
-        # Temperatures are optional, unless a topic for them was asked for by name.
-        wanted += _connections(bag, path, temperatures, _TEMPERATURE_TYPE,
-                               temperatures.lstrip('/') != TEMPERATURES)
+        wanted += _temperature_connections(bag, path, joint_states, temperatures)
         return [_sample(_STORE.deserialize_cdr(raw, connection.msgtype))
                 for connection, _, raw in bag.messages(wanted)]
 
@@ -125,8 +139,9 @@ def read_recording(path, joint_states=JOINT_STATES, temperatures=TEMPERATURES, w
     """
     Return the Recording in a rosbag2 folder.
 
-    Topics match with or without a leading slash; namespaces must match exactly. with_load=False
-    leaves load.yaml unread. Contents are passed on as they are, NaN and empty arrays included.
+    Topics match with or without a leading slash; namespaces must match exactly. Temperatures by
+    their usual name are looked for in the namespace of the joint states; NO_TEMPERATURES leaves
+    them out. with_load=False leaves load.yaml unread. Contents are passed on as they are, NaN and empty arrays included.
     Raises RecordingError when the folder cannot be read, ConfigurationError for a wrong load.yaml.
     """
     path = Path(path)

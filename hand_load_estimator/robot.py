@@ -114,6 +114,17 @@ class Robot:
         """Return K (..., n, 10) from already computed link regressors (..., n, 10 n)."""
         return link_regressor[..., -10:] @ self._load_to_link
 
+    def configured_torque(self, q):
+        """
+        Return (n,) [Nm]: gravity torque at q that the driver has taken off the effort.
+
+        Of effort.configured_load; zeros where there is none.
+        """
+        if self.effort.configured_load is None:
+            return np.zeros(self.n)
+        zero = np.zeros(self.n)
+        return self.load_regressor(q, zero, zero) @ self.effort.configured_load.to_products()
+
     def in_last_link(self, products):
         """Return products (10,) of a load as the last link's, pinocchio's order."""
         return self._load_to_link @ products

@@ -1,7 +1,7 @@
 """Worker processes that do not outlive what they work for."""
 
 from concurrent.futures import as_completed, ProcessPoolExecutor
-from multiprocessing import active_children
+from multiprocessing import active_children, get_context
 import os
 import signal
 import threading
@@ -12,13 +12,14 @@ def worker_results(work, calls, count=None, context=None, jobs_each=None):
     """
     Yield what work(*call) returns of each call, as they come, from processes.
 
-    count: processes (None: one per core); context: of multiprocessing; jobs_each: calls until
-    a process is replaced (None: never). Where this ends before the last result (Ctrl-C, an
+    count: processes (None: one per core); context: of multiprocessing (None: fork, which starts
+    at once; workers are children of this process, so no fork server); jobs_each: calls until a
+    process is replaced (None: never). Where this ends before the last result (Ctrl-C, an
     error of a call, `close`) the processes are ended at once.
     """
     others = active_children()
-    with ProcessPoolExecutor(count or os.cpu_count() or 1, context, _end_with, (os.getpid(),),
-                             max_tasks_per_child=jobs_each) as pool:
+    with ProcessPoolExecutor(count or os.cpu_count() or 1, context or get_context('fork'),
+                             _end_with, (os.getpid(),), max_tasks_per_child=jobs_each) as pool:
         try:
             for job in as_completed(_submitted(pool, work, calls)):
                 yield job.result()

@@ -240,6 +240,20 @@ def test_effort_without_gravity(robot, motion):
 LOAD = LoadParameters(8.0, [0.0, 0.02, 0.1], 0.03 * np.eye(3))
 
 
+def test_a_load_that_the_driver_takes_off_is_put_back(robot, motion):
+    """UR drivers take the payload that is set on the robot off the torque they report."""
+    effort = {'kind': 'motor_torque', 'includes_configured_load': True,
+              'configured_load': {'mass': LOAD.mass, 'com': LOAD.com.tolist()}}
+    told = changed_robot(robot, effort=effort)
+    taken_off = [told.configured_torque(q) for q in motion[1]]
+    known = ('mass', 'com', 'inertia')
+    for load in (LOAD, LoadParameters()):
+        reported = torque(robot, motion, load=load) - taken_off
+        only(verdicts(told, recording(robot, motion, reported, load, known)))
+    held = recording(robot, motion, torque(robot, motion, load=LOAD) - taken_off, LOAD, known)
+    assert verdicts(robot, held)['load'] == 'wrong'
+
+
 def test_load_is_seen_missed_or_not_stated(robot, motion):
     loaded, bare = torque(robot, motion, load=LOAD), torque(robot, motion)
     known = ('mass', 'com', 'inertia')
@@ -266,11 +280,24 @@ def test_link_torque_needs_no_friction(robot, motion):
 
 
 @pytest.mark.parametrize('temperature, item', [
-    (303.0, 'temperature unit'), (0.0, 'temperature unit'), (np.nan, 'temperature unit'),
+    (303.0, 'temperature unit'), (np.nan, 'temperature unit'),
     (120.0, 'temperature unit')])
 def test_implausible_temperatures(robot, motion, temperature, item):
     made = recording(robot, motion, torque(robot, motion), temperature=temperature)
     only(verdicts(robot, made), **{item.replace(' ', '_'): 'wrong'})
+
+
+@pytest.mark.parametrize('joint, temperature, verdict', [
+    (2, lambda t: 0.0, 'wrong'), (2, lambda t: 30.0 * (t > 5.0), 'wrong'),
+    (None, lambda t: 0.0, 'doubt'), (None, lambda t: np.rint(0.5 * t - 3.0), 'ok')])
+def test_a_zero_is_missing_where_none_is_near(robot, motion, joint, temperature, verdict):
+    """A hall at 0 degC is no missing sensor."""
+    made = recording(robot, motion, torque(robot, motion))
+    chosen = [robot.joints[joint]] if joint is not None else robot.joints
+    made = replace(made, samples=[
+        replace(s, value=float(temperature(s.stamp)))
+        if isinstance(s, TemperatureSample) and s.joint in chosen else s for s in made.samples])
+    assert verdicts(robot, made)['temperature unit'] == verdict
 
 
 def test_fahrenheit_and_none_are_doubts(robot, motion):
@@ -305,6 +332,16 @@ def test_gaps_and_stamps(robot, motion):
         check = check_recording(recording(robot, (stamps, q, v, a), effort), robot)
         rate, = [f for f in check.findings if f.item == 'rate']
         assert rate.verdict == 'wrong' and words in rate.text
+
+
+def test_one_stamp_far_ahead_costs_one_message(robot, motion):
+    t, q, v, a = motion
+    ahead = t.copy()
+    ahead[300] += 3600.0
+    check = check_recording(recording(robot, (ahead, q, v, a), torque(robot, motion)), robot)
+    whole = check_recording(recording(robot, motion, torque(robot, motion)), robot)
+    for joint, row in check.joints.items():
+        assert row['gain'] == pytest.approx(whole.joints[joint]['gain'], abs=0.02)
 
 
 def test_repeated_states(robot, motion):

@@ -43,7 +43,7 @@ def completed(out):
 
 def test_completed_draft_loads_with_what_the_urdf_says(tmp_path, capsys):
     out = draft(tmp_path, urdf(tmp_path))
-    assert 'rated_load.mass, effort.kind, max_acceleration' in capsys.readouterr().out
+    assert 'rated_load.mass, rated_load.com, effort.kind, max_acceleration' in capsys.readouterr().out
     robot = load_robot(completed(out))
     # The flange is where an arm ends by habit; the gripper's finger is not part of it.
     assert robot.joints == ('j1', 'j2', 'on')
@@ -67,7 +67,7 @@ def test_every_value_to_complete_is_refused_until_it_is_there(tmp_path):
             load_robot(out)
         out.write_text(text)
         marks += 1
-    assert marks == 5
+    assert marks == 6
 
 
 def test_tip_is_chosen_or_refused(tmp_path, capsys):

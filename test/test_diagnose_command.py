@@ -20,7 +20,7 @@ from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.recording import read_recording
-from hand_load_estimator.residual import load_error
+from hand_load_estimator.residual import fine_tuning, load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis
 from hand_load_estimator.residual.load_error import with_load_errors
 from hand_load_estimator.torque.model_file import read_model
@@ -226,6 +226,16 @@ def test_the_artefact_is_fine_tuned_from_the_better_model(folder, artefact, monk
     assert card['model']['sha256'] == hashlib.sha256(better.read_bytes()).hexdigest()
     assert main(['estimate', str(folder / 'loaded'), '--model', str(better), '--learned',
                  str(folder / 'tuned' / 'learned'), '--out', str(folder / 'out.json')]) == 0
+
+
+def test_an_interrupted_fine_tuning_leaves_the_report(folder, artefact, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fine_tuning, 'with_fine_tuning', interrupted)
+    status, report = diagnosed(folder, 'run1', '--fine-tune', 'artefact', out='interrupted')
+    assert status != 0 and [e['name'] for e in report['effects']] == ['viscous_friction']
+    assert (folder / 'interrupted' / 'report.html').is_file()
 
 
 def test_loads_are_judged_by_the_artefact_shipped_for_the_arm_too(folder, artefact, monkeypatch):

@@ -6,8 +6,8 @@ from pathlib import Path
 from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.recording import (arrays, find_joints, JointSample, read_recording,
-                                           RecordingWriter, TemperatureSample)
+from hand_load_estimator.recording import (_message, arrays, find_joints, JointSample,
+                                           read_recording, RecordingWriter, TemperatureSample)
 import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -70,6 +70,22 @@ def test_missing_topic_names_those_there(tmp_path):
         read_recording(bag, 'left/joint_states')
     with pytest.raises(RecordingError, match='motor_temperatures'):
         read_recording(bag, temperatures='motor_temperatures')
+
+
+def test_temperatures_are_looked_for_beside_the_joint_states(tmp_path):
+    bag = write(tmp_path / 'bag', [joint(1.0), TemperatureSample(1.0, 'a', 20.0)])
+    other = tmp_path / 'left'
+    with Writer(other, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        store = get_typestore(Stores.ROS2_JAZZY)
+        topics = {kind: writer.add_connection(f'/left/{topic}', kind, typestore=store)
+                  for kind, topic in (('sensor_msgs/msg/JointState', 'joint_states'),
+                                      ('sensor_msgs/msg/Temperature', 'joint_temperatures'))}
+        for sample in read_recording(bag).samples:
+            message = _message(sample)
+            writer.write(topics[message.__msgtype__], 10**9,
+                         store.serialize_cdr(message, message.__msgtype__))
+    assert read_recording(other, '/left/joint_states').temperature_samples[0].value == 20.0
+    assert not read_recording(bag, temperatures='none').temperature_samples
 
 
 def test_wrong_type_is_refused(tmp_path):

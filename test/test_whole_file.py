@@ -1,5 +1,8 @@
 """A file appears whole or not at all."""
 
+import os
+import threading
+
 import pytest
 
 from hand_load_estimator.files.whole_file import whole_file
@@ -29,3 +32,14 @@ def test_others_may_read_what_a_library_wrote_for_its_owner_only(tmp_path):
         part.touch(mode=0o600)
     (tmp_path / 'plain').touch()
     assert (tmp_path / 'weights').stat().st_mode == (tmp_path / 'plain').stat().st_mode
+
+
+def test_a_pipe_is_written_to_and_stays_one(tmp_path):
+    pipe, read = tmp_path / 'pipe', []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    with whole_file(pipe) as part:
+        part.write_text('new')
+    reader.join(10.0)
+    assert read == ['new'] and pipe.is_fifo() and list(tmp_path.iterdir()) == [pipe]

@@ -1,5 +1,7 @@
 """Is the effort what the robot file says: unit, sign, gravity, delay, compensation, saturation."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from .effort_beyond import check_beyond
@@ -27,11 +29,14 @@ def check_effort(signals, robot, load):
     LoadParameters known to be in the hand, or None.
     """
     terms = rigid_terms(robot, signals, load)
-    columns = joint_columns(signals, terms)
+    # What has been reported has range and size; the rest is about the whole torque.
     ends, left_out = check_range(signals, robot)
+    beyond = check_beyond(signals, terms, robot)
+    signals = replace(signals, effort=signals.effort
+                      + np.array([robot.configured_torque(q) for q in signals.q]))
+    columns = joint_columns(signals, terms)
     # Of what is cut off a fit makes another gain.
     moving = [j for j, c in enumerate(columns) if c is not None and j not in left_out]
-    beyond = check_beyond(signals, terms, robot)
     if not moving:
         unit = beyond if left_out else beyond or _standing(signals, terms, robot)
         return [*filter(None, [unit]), *ends], {}

@@ -1,5 +1,6 @@
 """Evenly sampled, smoothed signals of a recording, for looking at it afterwards (not causal)."""
 
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,10 +47,29 @@ def _longest_piece(time):
 
 
 def _usable(time, position):
-    """Return the indices of samples with finite position and increasing stamps."""
+    """Return the indices of samples with finite position and increasing stamps, as many as can."""
     usable = np.flatnonzero(np.isfinite(position).all(axis=1) & np.isfinite(time))
-    latest = np.maximum.accumulate(time[usable]) if len(usable) else np.empty(0)
-    return usable[np.r_[True, np.diff(latest) > 0.0]] if len(usable) else usable
+    return usable[_increasing(time[usable])]
+
+
+def _increasing(values):
+    """
+    Return the indices of the longest strictly increasing subsequence of values (N,).
+
+    One stamp far ahead is left out, not all that come after it.
+    """
+    ends, last, before = [], [], np.full(len(values), -1)
+    for k, value in enumerate(values):
+        place = bisect_left(ends, value)
+        ends[place:place + 1] = [value]
+        last[place:place + 1] = [k]
+        before[k] = last[place - 1] if place else -1
+    chain = []
+    k = last[-1] if last else -1
+    while k >= 0:
+        chain.append(k)
+        k = before[k]
+    return np.array(chain[::-1], dtype=int)
 
 
 def _resampled(grid, time, values):

@@ -7,6 +7,7 @@ from .finding import DOUBT, Finding, OK, WRONG
 # [degC] where an arm in a factory can be.
 _COLDEST, _HOTTEST, _KELVIN = -20.0, 90.0, 200.0
 _RARELY_ABOVE = 60.0
+_JUMP = 5.0
 
 
 def check_temperatures(recording, joints):
@@ -34,7 +35,8 @@ def _presence(readings):
 
 
 def _plausibility(readings):
-    values = np.array([s.value for samples in readings.values() for s in samples])
+    joints = [np.array([s.value for s in samples]) for samples in readings.values()]
+    values = np.concatenate(joints)
     finite = values[np.isfinite(values)]
     if not len(finite):
         return Finding('temperature unit', WRONG, 'no finite value', 'publish degC')
@@ -42,7 +44,10 @@ def _plausibility(readings):
     text = f'{low:.1f} to {high:.1f}'
     if low > _KELVIN:
         return Finding('temperature unit', WRONG, text, 'looks like kelvin; publish degC')
-    if np.any(finite == 0.0) and high > 5.0 or not finite.any():
+    if not finite.any():
+        return Finding('temperature unit', DOUBT, 'all exactly zero', 'where the arm is not at '
+                       '0 degC, a missing temperature must be NaN or not be sent')
+    if any(_zero_for_missing(v[np.isfinite(v)], finite) for v in joints):
         return Finding('temperature unit', WRONG, f'{text}, with zeros', 'a missing temperature '
                        'must be NaN or not be sent')
     if low < _COLDEST or high > _HOTTEST:
@@ -52,3 +57,10 @@ def _plausibility(readings):
     return Finding('temperature unit', DOUBT if suspect else OK,
                    f'{text} degC, {missing} not finite', 'looks like degF, or the arm is very hot'
                    if suspect else '')
+
+
+def _zero_for_missing(joint, all_joints):
+    """Tell whether zeros (N,) of a joint stand far from its other values, or the other joints'."""
+    others = joint[joint != 0.0]
+    others = others if len(others) else all_joints[all_joints != 0.0]
+    return bool(np.any(joint == 0.0)) and np.min(np.abs(others)) > _JUMP

@@ -37,8 +37,7 @@ def run(args):
     from ..torque.model_file import read_model, write_model
     from ..files.recording_mark import refuse_repeats
     from ..report.diagnosis_folder import clear, diagnosis_folder
-    from ..report.diagnosis_json import diagnosis_content
-    from ..report.diagnosis_page import sentences, write_page
+    from ..report.diagnosis_page import sentences
     from ..residual.diagnose import diagnose
     from ..residual.load_error import (known_torque, with_kept_artefact,
                                        with_load_errors)
@@ -64,7 +63,12 @@ def run(args):
     # Where no joint slid, the model was held against nothing.
     told = diagnosis.sliding is not None
     write_model(out / 'model.yaml', dated(better, diagnosis.sliding) if told else better)
+    if diagnosis.correction is not None:
+        write_model(out / 'model_with_correction.yaml',
+                    dated(diagnosis.correction.model, diagnosis.correction.sliding))
     if start and better is not model:
+        # Minutes of training lie ahead: what is known is not to be lost with them.
+        _write_report(out, diagnosis)
         # Here, because it brings torch in, which nothing else of a diagnosis needs.
         from ..residual.fine_tuning import with_fine_tuning
         diagnosis = with_fine_tuning(diagnosis, better, out / 'model.yaml', start,
@@ -73,16 +77,21 @@ def run(args):
         if start:
             _say('nothing was added to the model: the artefact is left as it is')
         diagnosis = with_kept_artefact(diagnosis, model, better, tests)
-    content = diagnosis_content(diagnosis)
-    if diagnosis.correction is not None:
-        write_model(out / 'model_with_correction.yaml',
-                    dated(diagnosis.correction.model, diagnosis.correction.sliding))
-    (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
-    write_page(out / 'report.html', diagnosis)
+    content = _write_report(out, diagnosis)
     print(json.dumps(content) if args.json
           else '\n'.join((*sentences(diagnosis), *diagnosis.cannot_tell,
                           str(out / 'report.html'))))
     return 0
+
+
+def _write_report(out, diagnosis):
+    """Write report.json and report.html; return what is in the first."""
+    from ..report.diagnosis_json import diagnosis_content
+    from ..report.diagnosis_page import write_page
+    content = diagnosis_content(diagnosis)
+    (out / 'report.json').write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
+    write_page(out / 'report.html', diagnosis)
+    return content
 
 
 def _read(model, path, args, load_of):

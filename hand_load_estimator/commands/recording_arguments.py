@@ -1,6 +1,6 @@
 """Arguments shared by the commands that read recordings."""
 
-from ..recording import JOINT_STATES, TEMPERATURES
+from ..recording import JOINT_STATES, NO_TEMPERATURES, TEMPERATURES
 
 
 def add_recording_arguments(parser):
@@ -8,7 +8,9 @@ def add_recording_arguments(parser):
     parser.add_argument('--joint-states', metavar='TOPIC', default=JOINT_STATES,
                         help='topic of the joint states (default: %(default)s)')
     parser.add_argument('--temperatures', metavar='TOPIC', default=TEMPERATURES,
-                        help='topic of the joint temperatures (default: %(default)s)')
+                        help='topic of the joint temperatures, or '
+                             f'{NO_TEMPERATURES} (default: {TEMPERATURES}, beside the joint '
+                             'states)')
 
 
 def topics(args):

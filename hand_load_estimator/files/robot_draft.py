@@ -203,7 +203,7 @@ reference_temperature: 25.0    # check: [degC] at which friction parameters are 
 
 rated_load:                    # data sheet
   mass: {TO_COMPLETE}            # [kg]
-  com: [0.0, 0.0, 0.0]         # check: [m] in the load frame
+  com: {_list([None] * 3)}    # [m] in the load frame, where the mass may be
   inertia: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]   # check: [kg m^2] about the com: xx xy xz yy yz zz
 
 effort:
@@ -228,7 +228,7 @@ allowed_torque: 0.8            # check: fraction of max_torque used in planning
 
 def values_to_complete(chain):
     """Return the keys that carry TO_COMPLETE in the draft of a chain."""
-    keys = ['rated_load.mass', 'effort.kind', 'max_acceleration']
+    keys = ['rated_load.mass', 'rated_load.com', 'effort.kind', 'max_acceleration']
     if any(joint.velocity is None for joint in chain.joints):
         keys.append('max_velocity')
     if any(joint.effort is None for joint in chain.joints):

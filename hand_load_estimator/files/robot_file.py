@@ -73,6 +73,14 @@ class RobotFile:
     where: str
 
 
+def _placed_load(section, key):
+    """Return the LoadParameters of a key, whose com may not be left out: torque hangs on it."""
+    load, known = parse_load(section.section(key))
+    if 'com' not in known:
+        section.fail(f'{key}: com', 'is missing', None, '[x, y, z] [m] in the load frame')
+    return load
+
+
 def _effort(section, n):
     kind = section.text('kind', EFFORT_KINDS)
     constants, doubt = np.ones(n), 0.0
@@ -89,7 +97,7 @@ def _effort(section, n):
                              'only with kind motor_current')
     configured = None
     if section.flag('includes_configured_load'):
-        configured, _ = parse_load(section.section('configured_load'))
+        configured = _placed_load(section, 'configured_load')
     section.refuse_unknown()
     return Effort(kind, constants, doubt, configured)
 
@@ -130,7 +138,7 @@ def parse_robot(content, where, folder='.'):
     if not 1.0 < np.linalg.norm(gravity) < 30.0:
         section.fail('gravity', 'is not a gravity', gravity.tolist(),
                      '[x, y, z] in the base frame [m/s^2], norm 1 to 30; upright is [0, 0, -9.81]')
-    rated, _ = parse_load(section.section('rated_load'))
+    rated = _placed_load(section, 'rated_load')
     if rated.mass <= 0.0:
         section.fail('rated_load', 'has no mass', rated.mass, 'the mass of the data sheet [kg]')
     urdf = _urdf(section, folder)

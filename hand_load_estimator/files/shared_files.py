@@ -25,18 +25,19 @@ def share_folder():
 
 def find_shared(name, *folders):
     """
-    Return the path `name` stands for: a path that exists, or a shipped file's short name.
+    Return the path `name` stands for: a shipped file's short name, or a path that exists.
 
-    folders: where under config/ short names are looked for, e.g. 'robots'.
+    folders: where under config/ short names are looked for, e.g. 'robots'. A short name keeps its
+    meaning where a folder of the user has the same one, which `./name` names.
     """
+    config = share_folder() / 'config'
+    for folder in (config, *(config / f for f in folders)):
+        for candidate in (folder / f'{name}.yaml', folder / name):
+            if Path(name).name == str(name) and candidate.exists():
+                return candidate
     direct = Path(name).expanduser()
     if direct.exists():
         return direct
-    config = share_folder() / 'config'
-    for folder in (config, *(config / f for f in folders)):
-        for candidate in (folder / name, folder / f'{name}.yaml'):
-            if candidate.exists():
-                return candidate
     shipped = sorted(p.stem for f in folders for p in (config / f).glob('*')
                      if p.suffix == '.yaml' or p.is_dir())
     raise ConfigurationError(name, 'is neither a path nor a shipped file',

@@ -11,9 +11,13 @@ def whole_file(path):
     Yield a Path to write to; it takes the place of `path` when the block ends without an error.
 
     Its own per process, as another one may write the same file; with the mode that any new file
-    of the process has, whatever the writer gave it. Raises OSError.
+    of the process has, whatever the writer gave it. A pipe or a device is written to itself.
+    Raises OSError.
     """
     path = Path(path)
+    if path.exists() and not path.is_file():
+        yield path
+        return
     part = path.with_name(f'{path.name}.{os.getpid()}.part')
     try:
         yield part

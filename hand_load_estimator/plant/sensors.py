@@ -14,7 +14,6 @@ class Sensors:
         self._robot, self._truth, self._difficulty, self._rng = robot, truth, difficulty, rng
         self.noise = truth.noise
         self._quantum = difficulty.torque_quantum * truth.noise
-        self._configured = robot.file.effort.configured_load
         self._sigma = np.array([np.full(robot.n, difficulty.position_noise),
                                 np.full(robot.n, difficulty.velocity_noise), truth.noise])
 
@@ -33,11 +32,7 @@ class Sensors:
         warmer = temperature - self._robot.file.reference_temperature
         reported = torque * (truth.effort_gain + truth.effort_gain_slope * warmer)
         reported += truth.effort_offset
-        if self._configured is not None:
-            rest = np.zeros(len(position))
-            reported -= self._robot.load_regressor(position, rest, rest) \
-                @ self._configured.to_products()
-        return reported
+        return reported - self._robot.configured_torque(position)
 
     def temperatures(self, sensor):
         """Return reported temperatures (n,) [degC] of the sensors' nodes."""

@@ -281,9 +281,4 @@ def real_torque(robot, q, effort):
     Current times torque constant; the configured load the controller has already taken off is
     put back, as its gravity torque.
     """
-    tau = effort * robot.effort.torque_constants
-    configured = robot.effort.configured_load
-    if configured is not None:
-        zero = np.zeros(robot.n)
-        tau = tau + robot.load_regressor(q, zero, zero) @ configured.to_products()
-    return tau
+    return effort * robot.effort.torque_constants + robot.configured_torque(q)

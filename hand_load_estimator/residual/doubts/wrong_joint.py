@@ -136,15 +136,11 @@ class _Rows:
     def _taken_off(self, motion):
         """Return the torque (M, n) that is taken off what the efforts say, at this motion."""
         robot, out = self._model.robot, np.zeros(motion[0].shape)
-        zero, configured = np.zeros(robot.n), robot.effort.configured_load
         if self._load.mass > 0.0:
             out += np.reshape([robot.load_regressor(*row) @ self._load.to_products()
                                for row in zip(*motion)], out.shape)
-        if configured is not None:
-            # The controller took its gravity off already: real_torque puts it back.
-            out -= np.reshape([robot.load_regressor(q, zero, zero) @ configured.to_products()
-                               for q in motion[0]], out.shape)
-        return out
+        # The controller took its gravity off already: real_torque puts it back.
+        return out - np.reshape([robot.configured_torque(q) for q in motion[0]], out.shape)
 
 
 def _mistake(model, rows):
