@@ -49,6 +49,12 @@ def turned_back(cell):
     assert cell.supervisor.counts['clock_jump'] == 1
 
 
+def pushed(cell):
+    """Let the supervisor hear of a push between two ticks."""
+    for later in (0.002, 0.004, 0.006):
+        cell.supervisor.residual(cell.now + later, np.full(6, 300.0))
+
+
 @pytest.mark.parametrize('happen', [stalled, turned_back, set_ahead])
 def test_a_motion_under_way_is_finished_and_not_begun_anew(cell, happen):
     motions = cell.supervisor.counts['motions']
@@ -70,6 +76,30 @@ def test_a_collision_after_it_stops_the_arm(cell, happen):
     assert len(cell.sent) == sent + 1
     q, v, _ = cell.arm.state(cell.now)
     assert not v.any() and np.abs(q - goal).max() > 0.1
+
+
+def test_a_collision_under_a_clock_set_ahead_is_braked_from_where_the_arm_is(cell):
+    """The tick that hears of it cannot tell yet whether 6 s have passed or none."""
+    cell.now += 6.0
+    cell.arm._plan = cell.arm._plan.shifted(6.0)
+    sent, cell.hearing = len(cell.sent), False
+    cell.run(TICK)
+    pushed(cell)
+    cell.run(TICK)
+    assert cell.supervisor.detector.collided and len(cell.sent) == sent
+    cell.hearing = True
+    assert cell.run(2 * TICK, lambda c: c.supervisor.phase == 'stopped')
+    (brake, (q, v, _)), = cell.sent[sent:]
+    np.testing.assert_allclose(brake.position[0], q, atol=0.01)
+    np.testing.assert_allclose(brake.velocity[0], v, atol=0.05)
+
+
+def test_a_collision_without_joint_states_is_braked_all_the_same(cell):
+    cell.now += 0.6
+    cell.hearing = False
+    cell.run(TICK)
+    pushed(cell)
+    assert cell.run(0.08, lambda c: c.supervisor.phase == 'stopped')
 
 
 @pytest.mark.parametrize('happen', [stalled, turned_back, set_ahead])

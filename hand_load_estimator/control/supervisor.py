@@ -13,6 +13,7 @@ from .fallback import FallbackSettings, LoadPolicy
 from .measured_state import MeasuredState
 from .pick_place import pick_and_place
 from .running_move import RunningMove
+from .tick_clock import LATE, TickClock
 from .torque_use import TorqueUse
 
 _AT_GOAL = 0.02          # [rad] a position controller's static error is far below this
@@ -21,7 +22,7 @@ _OFF_PATH = 0.25         # [rad] farther from the reference: the motion is not b
 _SET_OFF = 0.003         # [rad] from where it stood: the joint moves, the command has arrived
 _SETTLE = 1.0            # [s] after which an arm that is not at the goal is sent there again
 _REPLAN_PERIOD = 0.15    # [s]
-_LATE = 0.5              # [s] since the last tick: joint states may still wait to be heard
+_NEXT_STATE = 0.05       # [s] in which a joint state comes at any usual rate
 _PAUSE = 0.3             # [s] between a stop and the next try
 _TRIES = 3               # tries of a step after which an arm that does not follow is left alone
 
@@ -70,8 +71,7 @@ class Supervisor:
         self._steps = pick_and_place(settings.cycles, settings.dwell, settings.home_dwell)
         self._step, self._run, self._braking, self._goal = next(self._steps), None, None, None
         self._dwell_until, self._pause_until, self._next_replan = None, None, 0.0
-        self._measured, self._now, self._late = MeasuredState(), None, False
-        self._ahead, self._heard, self._late_at = 0.0, 0, 0.0
+        self._measured, self._clock = MeasuredState(), TickClock()
         self._stood, self._standing = None, np.zeros(model.robot.n, dtype=bool)
 
     @property
@@ -117,7 +117,7 @@ class Supervisor:
 
     def stop(self):
         """Return the braking trajectory that ends a motion under way; None at rest."""
-        return self._brake(self._now) if self._run is not None else None
+        return self._brake(self._clock.now) if self._run is not None else None
 
     def tick(self, now, ready=True):
         """
@@ -125,17 +125,14 @@ class Supervisor:
 
         ready: whether somebody takes trajectories; no motion begins before that.
         """
-        step = 0.0 if self._now is None else now - self._now
-        if step < 0.0:
-            self._clock_went_back(now, step)
-        self._late, self._now = step >= _LATE, now
-        if self._late:
+        back = self._clock.tick(now, self._measured.count)
+        if back:
+            self._clock_went_back(now, back)
+        if self._clock.late:
             self.counts['late_tick'] += 1
-            # Twice in a row is a machine with too much work, not a clock.
-            self._ahead = 0.0 if self._ahead else step
-            self._heard, self._late_at = self._measured.count, now
-        elif self._ahead and self._measured.count > self._heard:
-            self._settle_step(now)
+        ahead = self._clock.told(self._measured.count)
+        if ahead:
+            self._settle_step(now, ahead)
         if self._measured.q is None:
             return None
         self.policy.update(now, self.moving)
@@ -143,9 +140,8 @@ class Supervisor:
         self._watch(now)
         return out
 
-    def _settle_step(self, now):
+    def _settle_step(self, now, step):
         """Tell a clock that went ahead from a stall: where is the arm on what was sent?"""
-        step, self._ahead = self._ahead, 0.0
         if self._run is not None:
             earlier, here = (np.max(np.abs(self._measured.q - self._run.state(t)[0]))
                              for t in (now - step, now))
@@ -153,8 +149,9 @@ class Supervisor:
                 self.counts['clock_jump'] += 1
                 self._run.shift(step)
 
-    def _clock_went_back(self, now, step):
+    def _clock_went_back(self, now, back):
         """Go on as if no time had passed: what was sent is under way whatever the clock says."""
+        step = -back
         self.counts['clock_jump'] += 1
         self._measured.clock_went(now, step)
         if self._run is not None:
@@ -172,6 +169,9 @@ class Supervisor:
         if self.phase == 'stopped':
             return None
         if self.detector.collided:
+            if self._run is not None and self._clock.open(_NEXT_STATE):
+                # Where the arm is to brake from is known a moment later.
+                return None
             return self._halt(now, self._describe_collision())
         if self._run is not None:
             return self._follow(now)
@@ -223,10 +223,10 @@ class Supervisor:
         self._move_limits = move.motion_limits(self.robot.limits, self._settings.plan.speed_scale)
 
     def _follow(self, now):
-        if self._ahead and now - self._late_at < _LATE:
+        if self._clock.open(LATE):
             # Whether the clock or the controller was at fault, the next joint state tells.
             return None
-        if self._measured.stopped(now) and not self._late:
+        if self._measured.stopped(now) and not self._clock.late:
             return self._halt(now, 'the joint states have stopped while the arm was moving')
         # The reference moves on; compared with where the arm was, it would seem far away.
         fresh = self._measured.fresh(now)
