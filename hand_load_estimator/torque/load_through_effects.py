@@ -22,57 +22,42 @@ def gear_with(model, x, products):
                      for columns, torque in zip(ways, held)]
 
 
-def load_through_effects(model, columns, load, x, believed, gear):
+def load_through_effects(model, columns, x, products, believed, gear):
     """
-    Return K (n, 10) of a load as effects that depend on torques let it through, and torque (n,).
+    Return Y (n, P), K (n, 10) and torque (n,): what a load does to effects that depend on torques.
 
-    columns Y (n, P), load K (n, 10) and EffectInput x of one state; believed, gear: of gear_with
-    the load that is thought to be held. A wrong gain scales the load's torque too, friction grows
-    with it, a leaning base turns its weight. LateRows adds what a delay does. The torque [Nm] is
-    what the arm's own weight adds to friction where the load turns the gear's torque round: there
-    |gear + load| is not |gear| and something.
+    columns Y (n, P) without load, of EffectInput x of one state; products (10,) of what is thought
+    to be held; believed, gear: of gear_with it. A wrong gain scales the load's torque too, friction
+    grows with it, a leaning base turns its weight; what they may be off by grows with Y. LateRows
+    adds what a delay does. The torque [Nm] is what the arm's own weight adds to friction where the
+    load turns the gear's torque round: there |gear + load| is not |gear| and something.
     """
-    robot, gain = model.robot, np.ones(model.robot.n)
+    load = model.robot.load_columns(columns[:, :model.layout.links])
+    told, through, turned = columns.copy(), load.copy(), np.zeros(model.robot.n)
+    for joints, where, share, own in _growth(model, columns, load, x, believed, gear):
+        value = model.mean[where]
+        told[joints, where] += share @ products + own
+        through[joints] += value @ share
+        turned[joints] += np.sum(value * own)
+    return told, through, turned
+
+
+def _growth(model, columns, load, x, believed, gear):
+    """Yield (joints, where, share, own): Y[joints, where] grows by share @ products + own."""
     side = shown_side(*gear)
     bent = shown_size(*gear) - side * believed
-    leaning, turned = np.zeros_like(load), np.zeros(robot.n)
     for use, where in model.slices():
-        j, value = use.joint, model.mean[where]
+        j = use.joint
         if use.name == 'torque_scale':
-            gain[j] += value[0]
+            yield j, where, load[[j]], 0.0
         elif use.name == 'torque_scale_temperature':
-            gain[j] += value[0] * x.warmth[0, j]
+            yield j, where, x.warmth[0, j] * load[[j]], 0.0
         elif use.name == 'load_dependent_friction':
-            against = value[0] * direction(x, j, use.shape)[0]
-            gain[j] += side[j] * against
-            turned[j] += bent[j] * against - value[0] * columns[j, where.start]
+            way = direction(x, j, use.shape)[0]
+            yield j, where, side[j] * way * load[[j]], bent[j] * way - columns[j, where]
         elif use.name == 'base_tilt':
-            leaning = np.einsum('a,ajk->jk', value,
-                                robot.tilted_load_columns(x.q[0], value))
-    return gain[:, None] * load + leaning, turned
-
-
-def columns_with_load(model, columns, x, products, gear):
-    """
-    Return columns Y (1, n, P) as they are with a load of products (10,): what effects that depend
-    on torques may be off by grows with it.
-
-    columns: without, of EffectInput x; gear: of gear_with the load. A delay's stay.
-    """
-    robot, out = model.robot, columns.copy()
-    held = robot.load_columns(columns[0, :, :10 * robot.n]) @ products
-    for use, where in model.slices():
-        j, k = use.joint, where.start
-        if use.name == 'torque_scale':
-            out[0, j, k] += held[j]
-        elif use.name == 'torque_scale_temperature':
-            out[0, j, k] += x.warmth[0, j] * held[j]
-        elif use.name == 'load_dependent_friction':
-            out[0, j, k] = shown_size(*gear)[j] * direction(x, j, use.shape)[0]
-        elif use.name == 'base_tilt':
-            out[0, :, where] += np.transpose(
-                robot.tilted_load_columns(x.q[0], model.mean[where]) @ products)
-    return out
+            tilted = model.robot.tilted_load_columns(x.q[0], model.mean[where])
+            yield slice(None), where, tilted.swapaxes(0, 1), 0.0
 
 
 def load_while_sliding(model, state, temperature, products):
@@ -87,5 +72,4 @@ def load_while_sliding(model, state, temperature, products):
     rows = [np.asarray(row)[None] for row in (*state, warmth_of(model.robot, temperature))]
     x = EffectInput(*rows, np.sign(rows[1]))
     columns = torque_columns(model.robot, model.layout, x, model.mean)[0]
-    load = model.robot.load_columns(columns[:, :model.layout.links])
-    return load_through_effects(model, columns, load, x, *gear_with(model, x, products))
+    return load_through_effects(model, columns, x, products, *gear_with(model, x, products))[1:]

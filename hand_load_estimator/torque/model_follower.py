@@ -9,7 +9,7 @@ from ..load import products_from_message
 from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
 from .columns import real_torque, torque_columns, warmth_of
 from .late_rows import LateRows
-from .load_through_effects import columns_with_load, gear_with, load_through_effects
+from .load_through_effects import gear_with, load_through_effects
 from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
@@ -158,9 +158,11 @@ class ModelFollower:
         known = np.isfinite(sample.temperature)
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
-        told = columns if not self.model.layout.needs else columns_with_load(
-            self.model, columns, x, self._carried, gear)
-        nuisances = nuisance_columns(told, self._uncertain, self._drift, x.z, x.v)[0]
+        told, load, turned = columns[0], robot.load_columns(columns[0, :, :10 * robot.n]), 0.0
+        if self.model.layout.needs:
+            told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
+                                                      believed, gear)
+        nuisances = nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
@@ -173,12 +175,8 @@ class ModelFollower:
                 self._frictionless | surely_slides(sample.v, z, doubt)))
         noise = (density - stated) / sample.dt
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
-        load = robot.load_columns(columns[0, :, :10 * robot.n])
-        if self.model.layout.needs:
-            load, turned = load_through_effects(self.model, columns[0], load, x, believed, gear)
-            if self._longest:
-                load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
-                                                        sample.dt)
-            difference = difference - turned
-        return Prediction(difference, load, nuisances, z, doubt, stuck, level, density,
+        if self._longest:
+            load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
+                                                    sample.dt)
+        return Prediction(difference - turned, load, nuisances, z, doubt, stuck, level, density,
                           self.column_scale, noise)
