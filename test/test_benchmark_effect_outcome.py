@@ -64,6 +64,14 @@ def test_both_are_right_for_sets_of_the_design_only(hidden, named, advice, outco
     assert only_widely([case]) == ({(hidden, named): 1} if wrong else {})
 
 
+def test_a_pair_is_counted_strictly_and_with_what_cannot_be_told():
+    named = [finding('torque_offset', alternatives=[other('friction_asymmetry')], advice=ADVICE),
+             finding('time_delay', (OTHER,))]
+    total = totals([result([('friction_asymmetry', (JOINT,)), ('time_delay', (OTHER,))], named,
+                           kind='pair')])
+    assert total['pairs'] == [1, 0] and total['pairs_widely'] == [1, 1]
+
+
 def test_what_no_motion_tells_needs_no_standard_error():
     first = finding('rotor_inertia', alternatives=[other('link_inertia', behind=0.0, std=0.0)],
                     advice=f'{NO_MOTION} it')

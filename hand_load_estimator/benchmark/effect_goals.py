@@ -22,6 +22,7 @@ def verdicts(total):
             _share('the same as the first, counting also answers that name the right cause and '
                    'one that these recordings cannot tell from it', total['single_widely'], 90),
             _share('both of a pair right', total['pairs'], 75),
+            _share('the same, counting such answers too', total['pairs_widely'], 75),
             _share('both of a pair on one joint right', total['same_joint'], 75),
             _share('right effect and all joints, one effect of the same size on all joints',
                    total['common'], 90),

@@ -183,6 +183,7 @@ def totals(results):
         'single_widely': _right(effects, widely=True),
         'kept_out': [len(outside), sum(map(kept_out, outside))],
         'pairs': _right(_of_kind(tried(results), PAIR)),
+        'pairs_widely': _right(_of_kind(tried(results), PAIR), widely=True),
         'same_joint': _right(_of_kind(tried(results), SAME_JOINT)),
         'common': _right(_of_kind(tried(results), COMMON)),
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
