@@ -87,8 +87,12 @@ def _sample(message):
     return TemperatureSample(stamp, message.header.frame_id, float(message.temperature))
 
 
-def _connections(bag, path, topic, wanted_type, required):
-    """Return the bag's connections of a topic; RecordingError when they cannot be used."""
+def _connections(bag, path, topic, wanted_type, required, otherwise=''):
+    """
+    Return the bag's connections of a topic; RecordingError when they cannot be used.
+
+    otherwise: what else the user may do where the topic is of another type.
+    """
     found = [c for c in bag.connections if c.topic.lstrip('/') == topic.lstrip('/')]
     if not found and required:
         there = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in bag.connections}))
@@ -97,23 +101,21 @@ def _connections(bag, path, topic, wanted_type, required):
     for connection in found:
         if connection.msgtype != wanted_type:
             raise RecordingError(f'{path}: topic {connection.topic!r} is a {connection.msgtype}; '
-                                 f'allowed: {wanted_type}')
+                                 f'allowed: {wanted_type}{otherwise}')
     return found
 
 
 def _temperature_connections(bag, path, joint_states, topic):
-    """Return the connections of temperatures: optional, unless asked for by name."""
+    """Return the connections of temperatures: optional, unless asked for by another name."""
     if topic == NO_TEMPERATURES:
         return []
-    named = topic.lstrip('/') != TEMPERATURES
-    if not named and '/' in joint_states.lstrip('/'):
-        # A driver in a namespace has both of its topics there.
-        topic = f'{joint_states.rpartition("/")[0]}/{TEMPERATURES}'
-    try:
-        return _connections(bag, path, topic, _TEMPERATURE_TYPE, named)
-    except RecordingError as error:
-        raise RecordingError(f'{error}; `--temperatures {NO_TEMPERATURES}` reads the recording '
-                             'without') from None
+    otherwise = f'; `--temperatures {NO_TEMPERATURES}` reads the recording without'
+    if topic != TEMPERATURES:
+        return _connections(bag, path, topic, _TEMPERATURE_TYPE, True, otherwise)
+    # A driver in a namespace has both of its topics there, a node beside it may not.
+    beside = f'{joint_states.rpartition("/")[0]}/{TEMPERATURES}'
+    return (_connections(bag, path, beside, _TEMPERATURE_TYPE, False, otherwise)
+            or _connections(bag, path, topic, _TEMPERATURE_TYPE, False, otherwise))
 
 
 def _samples(path, joint_states, temperatures):
@@ -140,8 +142,9 @@ def read_recording(path, joint_states=JOINT_STATES, temperatures=TEMPERATURES, w
     Return the Recording in a rosbag2 folder.
 
     Topics match with or without a leading slash; namespaces must match exactly. Temperatures by
-    their usual name are looked for in the namespace of the joint states; NO_TEMPERATURES leaves
-    them out. with_load=False leaves load.yaml unread. Contents are passed on as they are, NaN and empty arrays included.
+    their usual name are looked for in the namespace of the joint states, then without one;
+    NO_TEMPERATURES leaves them out. with_load=False leaves load.yaml unread. Contents are passed
+    on as they are, NaN and empty arrays included.
     Raises RecordingError when the folder cannot be read, ConfigurationError for a wrong load.yaml.
     """
     path = Path(path)

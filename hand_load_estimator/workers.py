@@ -14,8 +14,8 @@ def worker_results(work, calls, count=None, context=None, jobs_each=None):
 
     count: processes (None: one per core); context: of multiprocessing (None: fork, which starts
     at once; workers are children of this process, so no fork server); jobs_each: calls until a
-    process is replaced (None: never). Where this ends before the last result (Ctrl-C, an
-    error of a call, `close`) the processes are ended at once.
+    process is replaced (None: never), not with fork. Where this ends before the last result
+    (Ctrl-C, an error of a call, `close`) the processes are ended at once.
     """
     others = active_children()
     with ProcessPoolExecutor(count or os.cpu_count() or 1, context or get_context('fork'),

@@ -289,6 +289,7 @@ def test_implausible_temperatures(robot, motion, temperature, item):
 
 @pytest.mark.parametrize('joint, temperature, verdict', [
     (2, lambda t: 0.0, 'wrong'), (2, lambda t: 30.0 * (t > 5.0), 'wrong'),
+    (None, lambda t: (4.0 + t) * (round(10.0 * t) % 10 != 5), 'wrong'),
     (None, lambda t: 0.0, 'doubt'), (None, lambda t: np.rint(0.5 * t - 3.0), 'ok')])
 def test_a_zero_is_missing_where_none_is_near(robot, motion, joint, temperature, verdict):
     """A hall at 0 degC is no missing sensor."""

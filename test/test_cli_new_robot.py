@@ -43,7 +43,8 @@ def completed(out):
 
 def test_completed_draft_loads_with_what_the_urdf_says(tmp_path, capsys):
     out = draft(tmp_path, urdf(tmp_path))
-    assert 'rated_load.mass, rated_load.com, effort.kind, max_acceleration' in capsys.readouterr().out
+    assert ('rated_load.mass, rated_load.com, effort.kind, max_acceleration'
+            in capsys.readouterr().out)
     robot = load_robot(completed(out))
     # The flange is where an arm ends by habit; the gripper's finger is not part of it.
     assert robot.joints == ('j1', 'j2', 'on')

@@ -94,6 +94,25 @@ def test_a_collision_under_a_clock_set_ahead_is_braked_from_where_the_arm_is(cel
     np.testing.assert_allclose(brake.velocity[0], v, atol=0.05)
 
 
+def test_a_collision_on_a_slow_machine_is_braked_at_once(cell):
+    """A joint state that has just come says where the arm is, however late the tick."""
+    cell.run(TICK)
+    pushed(cell)
+    cell.now += 0.6
+    cell.run(TICK)
+    assert cell.supervisor.counts['late_tick'] == 1 and cell.supervisor.phase == 'stopped'
+
+
+def test_a_clock_set_ahead_and_back_holds_no_brake_up(cell):
+    cell.hearing = False
+    for step in (6.0, -6.0):
+        cell.now += step
+        cell.arm._plan = cell.arm._plan.shifted(step)
+        cell.run(TICK)
+    pushed(cell)
+    assert cell.run(0.08, lambda c: c.supervisor.phase == 'stopped')
+
+
 def test_a_collision_without_joint_states_is_braked_all_the_same(cell):
     cell.now += 0.6
     cell.hearing = False

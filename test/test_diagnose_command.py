@@ -235,7 +235,8 @@ def test_an_interrupted_fine_tuning_leaves_the_report(folder, artefact, monkeypa
     monkeypatch.setattr(fine_tuning, 'with_fine_tuning', interrupted)
     status, report = diagnosed(folder, 'run1', '--fine-tune', 'artefact', out='interrupted')
     assert status != 0 and [e['name'] for e in report['effects']] == ['viscous_friction']
-    assert (folder / 'interrupted' / 'report.html').is_file()
+    assert report['learned'] == {'done': 'not finished'}
+    assert 'still being fine-tuned' in (folder / 'interrupted' / 'report.html').read_text()
 
 
 def test_loads_are_judged_by_the_artefact_shipped_for_the_arm_too(folder, artefact, monkeypatch):

@@ -37,6 +37,11 @@ def searched(robot, reach=1.0, seed=0):
     return search, search.run(lambda *_: None)
 
 
+def samples(search, motion):
+    trajectory = search.trajectory(motion)
+    return trajectory.sample(np.arange(0.0, trajectory.end, 1.0 / search.information.rate))
+
+
 def dense(trajectory):
     return trajectory.sample(np.arange(trajectory.start, trajectory.end, 0.002))
 
@@ -120,7 +125,7 @@ def test_expected_std_is_what_identification_reaches(robot):
     """Fit noise alone with least squares: the torque it predicts is the expected error."""
     search, motion = searched(robot)
     information, random = search.information, np.random.default_rng(5)
-    q, v, a = search.samples(motion)
+    q, v, a = samples(search, motion)
     rows = information._rows(q, v, a).reshape(-1, 84)
     factor = np.linalg.pinv(rows @ information._base)
     expected, _ = information.torque_std(q, v, a)
@@ -138,8 +143,8 @@ def test_longer_motion_and_less_noise_are_expected_to_be_better(robot):
     stds = []
     for duration, scale in ((20.0, 1.0), (60.0, 1.0), (20.0, 0.5)):
         search = Search(robot, make_box(robot, CENTRE, 1.0), duration, scale * noise, 0)
-        stds.append(search.information.torque_std(*search.samples(
-            search.run(lambda *_: None)))[0].mean())
+        stds.append(search.information.torque_std(*samples(
+            search, search.run(lambda *_: None)))[0].mean())
     assert stds[1] < stds[0]
     assert stds[2] == pytest.approx(0.5 * stds[0], rel=1e-3)
 

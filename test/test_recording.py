@@ -72,19 +72,22 @@ def test_missing_topic_names_those_there(tmp_path):
         read_recording(bag, temperatures='motor_temperatures')
 
 
-def test_temperatures_are_looked_for_beside_the_joint_states(tmp_path):
+@pytest.mark.parametrize('place', ['/left', ''])
+def test_temperatures_are_looked_for_beside_the_joint_states(tmp_path, place):
     bag = write(tmp_path / 'bag', [joint(1.0), TemperatureSample(1.0, 'a', 20.0)])
     other = tmp_path / 'left'
     with Writer(other, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         store = get_typestore(Stores.ROS2_JAZZY)
-        topics = {kind: writer.add_connection(f'/left/{topic}', kind, typestore=store)
-                  for kind, topic in (('sensor_msgs/msg/JointState', 'joint_states'),
-                                      ('sensor_msgs/msg/Temperature', 'joint_temperatures'))}
+        topics = {kind: writer.add_connection(topic, kind, typestore=store) for kind, topic in (
+            ('sensor_msgs/msg/JointState', '/left/joint_states'),
+            ('sensor_msgs/msg/Temperature', f'{place}/joint_temperatures'))}
         for sample in read_recording(bag).samples:
             message = _message(sample)
             writer.write(topics[message.__msgtype__], 10**9,
                          store.serialize_cdr(message, message.__msgtype__))
-    assert read_recording(other, '/left/joint_states').temperature_samples[0].value == 20.0
+    for asked in ('joint_temperatures', f'{place}/joint_temperatures'):
+        read = read_recording(other, '/left/joint_states', asked)
+        assert [sample.value for sample in read.temperature_samples] == [20.0]
     assert not read_recording(bag, temperatures='none').temperature_samples
 
 

@@ -113,12 +113,11 @@ WRONG = {
                               '298'),
     'temperature a flag': (content(reference_temperature=True), 'reference_temperature', 'True'),
     'rated load without mass': (content(rated_load={'com': [0, 0, 0]}), 'mass', 'missing'),
-    'rated load of nothing': (content(rated_load={'mass': 0.0, 'com': [0, 0, 0]}), 'rated_load',
-                              '0.0'),
-    'rated load somewhere': (content(rated_load={'mass': 1.0}), 'rated_load: com', 'missing'),
+    'rated load of nothing': (content(rated_load={'mass': 0.0}), 'rated_load', '0.0'),
+    'rated load somewhere': (content(rated_load={'mass': 1.0}), 'rated_load', 'com'),
     'configured load somewhere': (content(effort=effort(
-        includes_configured_load=True, configured_load={'mass': 1.0})), 'configured_load: com',
-        'missing'),
+        includes_configured_load=True, configured_load={'mass': 1.0})), 'configured_load',
+        'com'),
     'rated load impossible': (content(rated_load={
         'mass': 1.0, 'inertia': [0.01, 0, 0, 0.01, 0, 0.05]}), 'inertia', '0.05'),
     'effort missing': (content(effort=None), 'effort', 'missing'),

@@ -37,7 +37,7 @@ def test_others_may_read_what_a_library_wrote_for_its_owner_only(tmp_path):
 def test_a_pipe_is_written_to_and_stays_one(tmp_path):
     pipe, read = tmp_path / 'pipe', []
     os.mkfifo(pipe)
-    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
     reader.start()
     with whole_file(pipe) as part:
         part.write_text('new')

@@ -7,7 +7,7 @@ from .finding import DOUBT, Finding, OK, WRONG
 # [degC] where an arm in a factory can be.
 _COLDEST, _HOTTEST, _KELVIN = -20.0, 90.0, 200.0
 _RARELY_ABOVE = 60.0
-_JUMP = 5.0
+_JUMP = 5.0  # [K] no sensor changes so much from one reading to the next
 
 
 def check_temperatures(recording, joints):
@@ -47,7 +47,7 @@ def _plausibility(readings):
     if not finite.any():
         return Finding('temperature unit', DOUBT, 'all exactly zero', 'where the arm is not at '
                        '0 degC, a missing temperature must be NaN or not be sent')
-    if any(_zero_for_missing(v[np.isfinite(v)], finite) for v in joints):
+    if any(_zero_for_missing(v[np.isfinite(v)], finite) for v in joints if 0.0 in v):
         return Finding('temperature unit', WRONG, f'{text}, with zeros', 'a missing temperature '
                        'must be NaN or not be sent')
     if low < _COLDEST or high > _HOTTEST:
@@ -60,7 +60,10 @@ def _plausibility(readings):
 
 
 def _zero_for_missing(joint, all_joints):
-    """Tell whether zeros (N,) of a joint stand far from its other values, or the other joints'."""
-    others = joint[joint != 0.0]
-    others = others if len(others) else all_joints[all_joints != 0.0]
-    return bool(np.any(joint == 0.0)) and np.min(np.abs(others)) > _JUMP
+    """Tell whether zeros in a joint's values (N,) stand far from their neighbours in time."""
+    zeros, others = np.flatnonzero(joint == 0.0), np.flatnonzero(joint)
+    if not len(others):
+        return abs(np.median(all_joints[all_joints != 0.0])) > _JUMP
+    after = np.searchsorted(others, zeros)
+    near = np.abs(joint[others[[np.maximum(after - 1, 0), np.minimum(after, len(others) - 1)]]])
+    return bool(np.any(near.min(axis=0) > _JUMP))

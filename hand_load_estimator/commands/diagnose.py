@@ -1,5 +1,6 @@
 """`hand_load diagnose`: find what a torque model lacks, add it, report before and after."""
 
+from dataclasses import replace
 import json
 from pathlib import Path
 import sys
@@ -68,7 +69,7 @@ def run(args):
                     dated(diagnosis.correction.model, diagnosis.correction.sliding))
     if start and better is not model:
         # Minutes of training lie ahead: what is known is not to be lost with them.
-        _write_report(out, diagnosis)
+        _write_report(out, replace(diagnosis, training=True))
         # Here, because it brings torch in, which nothing else of a diagnosis needs.
         from ..residual.fine_tuning import with_fine_tuning
         diagnosis = with_fine_tuning(diagnosis, better, out / 'model.yaml', start,

@@ -11,7 +11,7 @@ from ..files.output_file import output_file
 from ..files.shared_files import find_shared
 from ..files.trajectory_message import write_trajectory_message
 from ..motions.excitation import make_box, Search
-from ..motions.excitation_information import INDEPENDENT_RATE, Information
+from ..motions.excitation_information import INDEPENDENT_RATE
 from ..motions.excitation_limits import (check_centre, check_chosen_centre, choose_centre,
                                          torque_use)
 from ..motions.trajectory import write_trajectory_csv
@@ -89,7 +89,7 @@ def _per_joint(values):
 
 
 def _expected(information, trajectory):
-    """Print what the motion will tell of the parameters, at any speed of later work."""
+    """Print what the motion will tell of the torque of later motions at full speed."""
     samples = trajectory.sample(np.arange(0.0, trajectory.end, 1.0 / information.rate))
     whole, links = information.torque_std(*samples)
     print(f'expected with errors of {_per_joint(information.noise)} Nm, {INDEPENDENT_RATE:g} '
@@ -140,7 +140,7 @@ def run(args):
     """Search, write the motion in both forms, say what to expect of it."""
     robot = load_robot(find_shared(args.robot, 'robots'))
     _within('--duration', args.duration, 10.0, 600.0)
-    _within('--speed', args.speed, 0.01, 1.0)
+    _within('--speed', args.speed, 0.05, 1.0)
     _within('--reach', args.reach, 0.05, 3.2)
     csv_path, message_path = _outputs(args.out)
     noise = (_numbers(args.noise, '--noise', robot) if args.noise
@@ -148,15 +148,12 @@ def run(args):
     if np.any(noise <= 0.0):
         raise ConfigurationError('--noise', 'is not usable', args.noise, 'above 0 [Nm]')
     centre = _centre(robot, args)
-    box = make_box(robot, centre, args.reach)
     # Searched at full speed, whatever --speed: what was watched slowly must be what runs fast.
-    search = Search(robot, box, args.duration, noise, args.seed)
+    search = Search(robot, make_box(robot, centre, args.reach), args.duration, noise, args.seed)
     motion = search.run(_Progress())
     trajectory = search.trajectory(motion).at_speed(args.speed)
     write_trajectory_csv(csv_path, robot.joints, trajectory)
     write_trajectory_message(message_path, robot.joints, trajectory)
-    information = Information(robot, box, noise, trajectory.duration,
-                              np.random.default_rng(args.seed))
-    _report(robot, information, trajectory, motion.clearance)
+    _report(robot, search.information, trajectory, motion.clearance)
     print(f'written: {csv_path} and {message_path} ({trajectory.duration:.1f} s)')
     return 0

@@ -125,9 +125,9 @@ class Supervisor:
 
         ready: whether somebody takes trajectories; no motion begins before that.
         """
-        back = self._clock.tick(now, self._measured.count)
-        if back:
-            self._clock_went_back(now, back)
+        step = self._clock.tick(now, self._measured.count)
+        if step < 0.0:
+            self._clock_went_back(now, step)
         if self._clock.late:
             self.counts['late_tick'] += 1
         ahead = self._clock.told(self._measured.count)
@@ -149,9 +149,8 @@ class Supervisor:
                 self.counts['clock_jump'] += 1
                 self._run.shift(step)
 
-    def _clock_went_back(self, now, back):
+    def _clock_went_back(self, now, step):
         """Go on as if no time had passed: what was sent is under way whatever the clock says."""
-        step = -back
         self.counts['clock_jump'] += 1
         self._measured.clock_went(now, step)
         if self._run is not None:
@@ -169,7 +168,8 @@ class Supervisor:
         if self.phase == 'stopped':
             return None
         if self.detector.collided:
-            if self._run is not None and self._clock.open(_NEXT_STATE):
+            if (self._run is not None and self._clock.open(_NEXT_STATE)
+                    and not self._measured.fresh(now)):
                 # Where the arm is to brake from is known a moment later.
                 return None
             return self._halt(now, self._describe_collision())

@@ -16,14 +16,16 @@ class TickClock:
         self._ahead, self._late_at, self._heard = 0.0, 0.0, 0
 
     def tick(self, now, heard):
-        """Take a tick at `now` [s] after so many joint states; return how far time went back."""
+        """Take a tick at `now` [s] after so many joint states; return the step [s] to it."""
         step = 0.0 if self.now is None else now - self.now
         self.late, self.now = step >= LATE, now
+        if step < 0.0:
+            self._ahead = 0.0
         if self.late:
             # Twice in a row is a machine with too much work, not a clock.
             self._ahead = 0.0 if self._ahead else step
             self._late_at, self._heard = now, heard
-        return max(-step, 0.0)
+        return step
 
     def open(self, patience):
         """Tell whether a step is still to be told, at most `patience` [s] after it."""

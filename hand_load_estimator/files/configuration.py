@@ -43,6 +43,11 @@ class Section:
             raise ConfigurationError(where, 'must be a mapping', content)
         self._content, self._where, self._read = content, str(where), set()
 
+    @property
+    def where(self):
+        """The place of this mapping, for messages."""
+        return self._where
+
     def has(self, key):
         """Tell whether the key is there and not null."""
         self._read.add(key)

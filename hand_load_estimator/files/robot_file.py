@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import ConfigurationError
 from ..load import LoadParameters
 from .configuration import Section, read_yaml
-from .load_file import parse_load
+from .load_file import parse_load, placed
 
 EFFORT_KINDS = ('motor_torque', 'link_torque', 'motor_current')
 POSITION_SOURCES = ('feedback', 'command')
@@ -73,12 +73,9 @@ class RobotFile:
     where: str
 
 
-def _placed_load(section, key):
-    """Return the LoadParameters of a key, whose com may not be left out: torque hangs on it."""
-    load, known = parse_load(section.section(key))
-    if 'com' not in known:
-        section.fail(f'{key}: com', 'is missing', None, '[x, y, z] [m] in the load frame')
-    return load
+def _placed_load(section):
+    """Return the LoadParameters of a mapping, whose com may not be left out."""
+    return placed(*parse_load(section), section.where)
 
 
 def _effort(section, n):
@@ -97,7 +94,7 @@ def _effort(section, n):
                              'only with kind motor_current')
     configured = None
     if section.flag('includes_configured_load'):
-        configured = _placed_load(section, 'configured_load')
+        configured = _placed_load(section.section('configured_load'))
     section.refuse_unknown()
     return Effort(kind, constants, doubt, configured)
 
@@ -138,7 +135,7 @@ def parse_robot(content, where, folder='.'):
     if not 1.0 < np.linalg.norm(gravity) < 30.0:
         section.fail('gravity', 'is not a gravity', gravity.tolist(),
                      '[x, y, z] in the base frame [m/s^2], norm 1 to 30; upright is [0, 0, -9.81]')
-    rated = _placed_load(section, 'rated_load')
+    rated = _placed_load(section.section('rated_load'))
     if rated.mass <= 0.0:
         section.fail('rated_load', 'has no mass', rated.mass, 'the mass of the data sheet [kg]')
     urdf = _urdf(section, folder)

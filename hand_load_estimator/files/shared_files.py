@@ -25,21 +25,21 @@ def share_folder():
 
 def find_shared(name, *folders):
     """
-    Return the path `name` stands for: a shipped file's short name, or a path that exists.
+    Return the path `name` stands for: a path that exists, or a shipped file's short name.
 
-    folders: where under config/ short names are looked for, e.g. 'robots'. A short name keeps its
-    meaning where a folder of the user has the same one, which `./name` names.
+    folders: where under config/ short names are looked for, e.g. 'robots'. A folder in the way
+    does not hide a shipped file of the same short name: no folder is what is asked for then.
     """
-    config = share_folder() / 'config'
-    for folder in (config, *(config / f for f in folders)):
-        for candidate in (folder / f'{name}.yaml', folder / name):
-            if Path(name).name == str(name) and candidate.exists():
-                return candidate
-    direct = Path(name).expanduser()
-    if direct.exists():
+    direct, config = Path(name).expanduser(), share_folder() / 'config'
+    shipped = [candidate for folder in (config, *(config / f for f in folders))
+               for candidate in (folder / name, folder / f'{name}.yaml') if candidate.exists()]
+    hidden = direct.is_dir() and str(name) == direct.name and shipped and shipped[0].is_file()
+    if direct.exists() and not hidden:
         return direct
-    shipped = sorted(p.stem for f in folders for p in (config / f).glob('*')
+    if shipped:
+        return shipped[0]
+    known = sorted(p.stem for f in folders for p in (config / f).glob('*')
                      if p.suffix == '.yaml' or p.is_dir())
     raise ConfigurationError(name, 'is neither a path nor a shipped file',
-                             allowed=f'a path or one of {", ".join(shipped)}' if shipped
+                             allowed=f'a path or one of {", ".join(known)}' if known
                              else 'a path')

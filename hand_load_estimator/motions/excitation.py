@@ -134,10 +134,6 @@ class Search:
             progress(DRAWS + k + 1, total, best.cost)
         return self._inside_torque(best)
 
-    def samples(self, motion):
-        """Return q, v, a (S, n) at the information's rate."""
-        return self._evaluate(motion.coefficients, self._sampled)
-
     def trajectory(self, motion):
         """Return the Trajectory of a motion, knots at OUTPUT_RATE."""
         return self._trajectory(motion.coefficients)

@@ -99,7 +99,9 @@ def _not_named(diagnosis):
             for found in not_named(diagnosis.structure, diagnosis.joints)]
 
 
-def _learned(fine_tuning, kept):
+def _learned(fine_tuning, kept, training):
+    if training:
+        return {'done': 'not finished'}
     if kept is not None:
         return {'done': 'kept', 'artefact': kept.name, **_with_network(kept)}
     if fine_tuning is None:
@@ -142,5 +144,5 @@ def diagnosis_content(diagnosis):
             'torque_rmse': _numbers(diagnosis.correction.after)},
         'not_named': _not_named(diagnosis),
         'structure': _structure(diagnosis.structure),
-        'learned': _learned(diagnosis.fine_tuning, diagnosis.kept),
+        'learned': _learned(diagnosis.fine_tuning, diagnosis.kept, diagnosis.training),
         'seconds': _number(diagnosis.seconds)}

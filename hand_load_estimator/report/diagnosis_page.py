@@ -234,6 +234,8 @@ def _remains(diagnosis):
 def _origin(diagnosis):
     recordings = items_html(map(label_html, diagnosis.recordings)) if diagnosis.recordings else ''
     kept = '' if diagnosis.fine_tuning else (
+        '<p>When this was written the learned artefact was still being fine-tuned.</p>'
+        if diagnosis.training else
         '<p>Learned artefacts (method lstm) were left as they are and run with the better model.'
         '</p>')
     return (

@@ -194,7 +194,8 @@ class Diagnosis:
     Y`; load_before, load_after: LoadError, or None with load_reason; recordings, tested_on: names;
     seconds spent; remains: sentences on structure that is left; correction: what is offered for
     it; fine_tuning: what became of the learned artefact, None where it was left as it is; kept:
-    a KeptArtefact where it was and loads are known, else None;
+    a KeptArtefact where it was and loads are known, else None; training: it is being fine-tuned
+    meanwhile, and the diagnosis is not the last word on it;
     structure: (Structure before, Structure after), or None; sliding (n,) [Nm]: what the model
     leaves now while joints slide, as of Residuals, or None; seen: names of recordings tested on
     that the model itself was identified from; refitted: it was identified from all of them, and
@@ -222,6 +223,7 @@ class Diagnosis:
     correction: Correction | None = None
     fine_tuning: FineTuning | None = None
     kept: KeptArtefact | None = None
+    training: bool = False
     structure: tuple | None = None
     sliding: np.ndarray | None = None
     seen: tuple = ()

@@ -27,10 +27,10 @@ def load_through_effects(model, columns, x, products, believed, gear):
     Return Y (n, P), K (n, 10) and torque (n,): what a load does to effects that depend on torques.
 
     columns Y (n, P) without load, of EffectInput x of one state; products (10,) of what is thought
-    to be held; believed, gear: of gear_with it. A wrong gain scales the load's torque too, friction
-    grows with it, a leaning base turns its weight; what they may be off by grows with Y. LateRows
-    adds what a delay does. The torque [Nm] is what the arm's own weight adds to friction where the
-    load turns the gear's torque round: there |gear + load| is not |gear| and something.
+    to be held; believed, gear: of gear_with it. A wrong gain scales the load's torque too,
+    friction grows with it, a leaning base turns its weight; what they may be off by grows with Y.
+    LateRows adds what a delay does. The torque [Nm] is what the arm's own weight adds to friction
+    where the load turns the gear's torque round: there |gear + load| is not |gear| and something.
     """
     load = model.robot.load_columns(columns[:, :model.layout.links])
     told, through, turned = columns.copy(), load.copy(), np.zeros(model.robot.n)
