@@ -103,6 +103,19 @@ def test_a_collision_on_a_slow_machine_is_braked_at_once(cell):
     assert cell.supervisor.counts['late_tick'] == 1 and cell.supervisor.phase == 'stopped'
 
 
+@pytest.mark.parametrize('ahead, back', [(6.0, 6.0), (6.0, 5.9), (6.0, 0.03), (0.6, 0.02)])
+def test_a_clock_set_ahead_and_back_before_a_joint_state_changes_nothing(cell, ahead, back):
+    sent, cell.hearing = len(cell.sent), False
+    for step in (ahead, -back):
+        cell.now += step
+        cell.arm._plan = cell.arm._plan.shifted(step)
+        cell.run(TICK)
+    cell.hearing = True
+    assert cell.run(10.0, lambda c: c.supervisor.phase == 'at_pick') and len(cell.sent) == sent
+    counts = cell.supervisor.counts
+    assert not counts['stops'] + counts['off_path'] + counts['not_arrived']
+
+
 def test_a_clock_set_ahead_and_back_holds_no_brake_up(cell):
     cell.hearing = False
     for step in (6.0, -6.0):

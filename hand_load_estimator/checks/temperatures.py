@@ -63,7 +63,7 @@ def _zero_for_missing(joint, all_joints):
     """Tell whether zeros in a joint's values (N,) stand far from their neighbours in time."""
     zeros, others = np.flatnonzero(joint == 0.0), np.flatnonzero(joint)
     if not len(others):
-        return abs(np.median(all_joints[all_joints != 0.0])) > _JUMP
+        return np.median(np.abs(all_joints[all_joints != 0.0])) > _JUMP
     after = np.searchsorted(others, zeros)
     near = np.abs(joint[others[[np.maximum(after - 1, 0), np.minimum(after, len(others) - 1)]]])
     return bool(np.any(near.min(axis=0) > _JUMP))

@@ -20,7 +20,8 @@ class TickClock:
         step = 0.0 if self.now is None else now - self.now
         self.late, self.now = step >= LATE, now
         if step < 0.0:
-            self._ahead = 0.0
+            # What the clock did before is still to be told.
+            self._late_at += step
         if self.late:
             # Twice in a row is a machine with too much work, not a clock.
             self._ahead = 0.0 if self._ahead else step
