@@ -5,25 +5,21 @@ import json
 import os
 from pathlib import Path
 
+from check_helpers import (CENTRE, FRICTION, RATE, VISCOUS, changed_robot, only, recording,
+                           swings, torque, verdicts)
 from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.cli import main
-from hand_load_estimator.files.robot_file import parse_robot
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant import JointEvent, simulate_motion
-from hand_load_estimator.recording import (JointSample, Recording, RecordingWriter,
-                                           TemperatureSample)
-from hand_load_estimator.robot import load_robot, Robot
+from hand_load_estimator.recording import JointSample, RecordingWriter
+from hand_load_estimator.robot import load_robot
 from hand_load_estimator.simulation.simulate_motions import named_motion
 from hand_load_estimator.stream.joint_stream import motion_of
 import numpy as np
-import pinocchio as pin
 import pytest
 
 DATA = Path(os.environ.get('HAND_LOAD_DATA', Path(__file__).parents[2] / 'shared' / 'data'))
-RATE = 100.0
-CENTRE = np.array([0.3, -1.4, 1.0, -1.2, -1.4, 0.2])
-FRICTION, VISCOUS = (np.array([9.0, 9.0, 5.0, 2.0, 2.0, 2.0]) * k for k in (1.0, 1.2))
 
 
 @pytest.fixture(scope='module')
@@ -33,54 +29,7 @@ def robot():
 
 @pytest.fixture(scope='module')
 def motion():
-    random = np.random.default_rng(4)
-    t = np.arange(0.0, 24.0, 1.0 / RATE)
-    q, v, a = (np.zeros((len(t), 6)) for _ in range(3))
-    for k in range(1, 6):
-        w = 2.0 * np.pi * 0.07 * k
-        size, phase = random.uniform(0.1, 0.35, 6), random.uniform(0.0, 6.3, 6)
-        q += size * np.sin(w * t[:, None] + phase)
-        v += size * w * np.cos(w * t[:, None] + phase)
-        a -= size * w * w * np.sin(w * t[:, None] + phase)
-    return t, q + CENTRE, v, a
-
-
-def torque(robot, motion, gravity=None, load=None, friction=1.0):
-    _, q, v, a = motion
-    model = pin.Model(robot.model)
-    if gravity is not None:
-        model.gravity.linear = np.array(gravity)
-    data = model.createData()
-    tau = np.array([pin.rnea(model, data, *sample).copy() for sample in zip(q, v, a)])
-    if load is not None:
-        tau += np.array([robot.load_regressor(*s) @ load.to_products() for s in zip(q, v, a)])
-    noise = np.random.default_rng(0).standard_normal(q.shape) * [1.2, 1.2, 0.9, 0.35, 0.35, 0.35]
-    return tau + friction * (FRICTION * np.tanh(v / 0.01) + VISCOUS * v) + noise
-
-
-def recording(robot, motion, effort, load=None, known=(), temperature=30.0, names=None):
-    t, q, v, _ = motion
-    samples = []
-    for k, stamp in enumerate(t):
-        samples.append(JointSample(stamp, names or robot.joints, q[k], v[k], effort[k]))
-        if k % 10 == 0 and temperature is not None:
-            samples += [TemperatureSample(stamp, joint, temperature) for joint in robot.joints]
-    return Recording(Path('made'), samples, load, known)
-
-
-def verdicts(robot, made):
-    return {f.item: f.verdict for f in check_recording(made, robot).findings}
-
-
-def only(found, **expected):
-    """Assert the verdicts named, with spaces for underscores, and ok for all others."""
-    wanted = {name.replace('_', ' '): verdict for name, verdict in expected.items()}
-    assert wanted.keys() <= found.keys()
-    assert {k: v for k, v in found.items() if v != 'ok'} == wanted
-
-
-def changed_robot(robot, **changes):
-    return Robot(parse_robot({**robot.file.content, **changes}, 'changed'))
+    return swings()
 
 
 def test_a_good_recording_is_ok(robot, motion):
@@ -279,36 +228,6 @@ def test_link_torque_needs_no_friction(robot, motion):
     only(verdicts(changed_robot(robot, effort=effort), made))
 
 
-@pytest.mark.parametrize('temperature, item', [
-    (303.0, 'temperature unit'), (np.nan, 'temperature unit'),
-    (120.0, 'temperature unit')])
-def test_implausible_temperatures(robot, motion, temperature, item):
-    made = recording(robot, motion, torque(robot, motion), temperature=temperature)
-    only(verdicts(robot, made), **{item.replace(' ', '_'): 'wrong'})
-
-
-@pytest.mark.parametrize('joint, temperature, verdict', [
-    (2, lambda t: 0.0, 'wrong'), (2, lambda t: 30.0 * (t > 5.0), 'wrong'),
-    (None, lambda t: (4.0 + t) * (round(10.0 * t) % 10 != 5), 'wrong'),
-    (None, lambda t: 0.0, 'doubt'), (None, lambda t: np.rint(0.5 * t - 3.0), 'ok')])
-def test_a_zero_is_missing_where_none_is_near(robot, motion, joint, temperature, verdict):
-    """A hall at 0 degC is no missing sensor."""
-    made = recording(robot, motion, torque(robot, motion))
-    chosen = [robot.joints[joint]] if joint is not None else robot.joints
-    made = replace(made, samples=[
-        replace(s, value=float(temperature(s.stamp)))
-        if isinstance(s, TemperatureSample) and s.joint in chosen else s for s in made.samples])
-    assert verdicts(robot, made)['temperature unit'] == verdict
-
-
-def test_fahrenheit_and_none_are_doubts(robot, motion):
-    effort = torque(robot, motion)
-    only(verdicts(robot, recording(robot, motion, effort, temperature=86.0)),
-         temperature_unit='doubt')
-    only(verdicts(robot, recording(robot, motion, effort, temperature=None)),
-         temperatures='doubt')
-
-
 def test_degrees_and_wrong_velocity(robot, motion):
     t, q, v, a = motion
     effort = torque(robot, motion)
@@ -317,39 +236,6 @@ def test_degrees_and_wrong_velocity(robot, motion):
     for wrong in (np.degrees(v), -v):
         found = verdicts(robot, recording(robot, (t, q, wrong, a), effort))
         assert found['velocity'] == 'wrong'
-
-
-def test_gaps_and_stamps(robot, motion):
-    t, q, v, a = motion
-    effort, late = torque(robot, motion), t.copy()
-    late[1000:] += 0.7
-    assert verdicts(robot, recording(robot, (late, q, v, a), effort))['gaps'] == 'doubt'
-    back = t.copy()
-    back[500], back[700] = back[498], back[699]
-    assert verdicts(robot, recording(robot, (back, q, v, a), effort))['order'] == 'doubt'
-    same = np.zeros_like(t)
-    for stamps, words in ((same, 'all header stamps are the same'),
-                          (-t, '0 repeated, 2399 backward stamps of 2400')):
-        check = check_recording(recording(robot, (stamps, q, v, a), effort), robot)
-        rate, = [f for f in check.findings if f.item == 'rate']
-        assert rate.verdict == 'wrong' and words in rate.text
-
-
-def test_one_stamp_far_ahead_costs_one_message(robot, motion):
-    t, q, v, a = motion
-    ahead = t.copy()
-    ahead[300] += 3600.0
-    check = check_recording(recording(robot, (ahead, q, v, a), torque(robot, motion)), robot)
-    whole = check_recording(recording(robot, motion, torque(robot, motion)), robot)
-    for joint, row in check.joints.items():
-        assert row['gain'] == pytest.approx(whole.joints[joint]['gain'], abs=0.02)
-
-
-def test_repeated_states(robot, motion):
-    hold = np.arange(len(motion[0])) // 2 * 2
-    twice = tuple(x[hold] for x in motion[1:])
-    made = recording(robot, (motion[0], *twice), torque(robot, motion)[hold])
-    assert verdicts(robot, made)['updates'] == 'doubt'
 
 
 def test_other_joints_only(robot, motion):

@@ -7,7 +7,7 @@ from ..motions.trajectory import Trajectory
 _RAMP = 0.05           # [s] rise and fall of the deceleration, so that the drives see no step
 _STOP_TIMES = np.geomspace(0.12, 2.0, 18)
 _SAMPLES = 9
-WORTH = 1.1
+_WORTH = 1.1           # times the least torque: a stop that uses no more is as good
 
 
 def braking_trajectory(q, v, use, max_acceleration):
@@ -31,7 +31,7 @@ def braking_trajectory(q, v, use, max_acceleration):
         tried.append((share, trajectory))
     least = min(share for share, _ in tried)
     # What holding the arm takes, all stops need: a little less of it is not worth travelling on.
-    return next(trajectory for share, trajectory in tried if share <= WORTH * least)
+    return next(trajectory for share, trajectory in tried if share <= _WORTH * least)
 
 
 def _stop(q, v, duration):

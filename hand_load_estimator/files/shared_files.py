@@ -30,14 +30,18 @@ def find_shared(name, *folders):
     folders: where under config/ short names are looked for, e.g. 'robots'. A folder in the way
     does not hide a shipped file of the same short name: no folder is what is asked for then.
     """
-    direct, config = Path(name).expanduser(), share_folder() / 'config'
-    shipped = [candidate for folder in (config, *(config / f for f in folders))
-               for candidate in (folder / name, folder / f'{name}.yaml') if candidate.exists()]
-    hidden = direct.is_dir() and str(name) == direct.name and shipped and shipped[0].is_file()
-    if direct.exists() and not hidden:
+    direct = Path(name).expanduser()
+    if direct.exists() and not direct.is_dir():
         return direct
-    if shipped:
-        return shipped[0]
+    config = share_folder() / 'config'
+    shipped = next((candidate for folder in (config, *(config / f for f in folders))
+                    for candidate in (folder / name, folder / f'{name}.yaml')
+                    if candidate.exists()), None)
+    hidden = shipped is not None and shipped.is_file() and str(name) == direct.name
+    if direct.is_dir() and not hidden:
+        return direct
+    if shipped is not None:
+        return shipped
     known = sorted(p.stem for f in folders for p in (config / f).glob('*')
                      if p.suffix == '.yaml' or p.is_dir())
     raise ConfigurationError(name, 'is neither a path nor a shipped file',

@@ -1,0 +1,85 @@
+"""`hand_load check` on stamps, repeated states and joint temperatures."""
+
+from dataclasses import replace
+
+from check_helpers import only, recording, swings, torque, verdicts
+import numpy as np
+import pytest
+
+from hand_load_estimator.checks.recording_check import check_recording
+from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.recording import TemperatureSample
+from hand_load_estimator.robot import load_robot
+
+
+@pytest.fixture(scope='module')
+def robot():
+    return load_robot(find_shared('ur10e', 'robots'))
+
+
+@pytest.fixture(scope='module')
+def motion():
+    return swings()
+
+
+@pytest.mark.parametrize('temperature, item', [
+    (303.0, 'temperature unit'), (np.nan, 'temperature unit'),
+    (120.0, 'temperature unit')])
+def test_implausible_temperatures(robot, motion, temperature, item):
+    made = recording(robot, motion, torque(robot, motion), temperature=temperature)
+    only(verdicts(robot, made), **{item.replace(' ', '_'): 'wrong'})
+
+
+@pytest.mark.parametrize('joint, temperature, verdict', [
+    (2, lambda t: 0.0, 'wrong'), (2, lambda t: 30.0 * (t > 5.0), 'wrong'),
+    (None, lambda t: (4.0 + t) * (round(10.0 * t) % 10 != 5), 'wrong'),
+    (None, lambda t: 0.0, 'doubt'), (None, lambda t: np.rint(0.5 * t - 3.0), 'ok')])
+def test_a_zero_is_missing_where_none_is_near(robot, motion, joint, temperature, verdict):
+    """A hall at 0 degC is no missing sensor."""
+    made = recording(robot, motion, torque(robot, motion))
+    chosen = [robot.joints[joint]] if joint is not None else robot.joints
+    made = replace(made, samples=[
+        replace(s, value=float(temperature(s.stamp)))
+        if isinstance(s, TemperatureSample) and s.joint in chosen else s for s in made.samples])
+    assert verdicts(robot, made)['temperature unit'] == verdict
+
+
+def test_fahrenheit_and_none_are_doubts(robot, motion):
+    effort = torque(robot, motion)
+    only(verdicts(robot, recording(robot, motion, effort, temperature=86.0)),
+         temperature_unit='doubt')
+    only(verdicts(robot, recording(robot, motion, effort, temperature=None)),
+         temperatures='doubt')
+
+
+def test_gaps_and_stamps(robot, motion):
+    t, q, v, a = motion
+    effort, late = torque(robot, motion), t.copy()
+    late[1000:] += 0.7
+    assert verdicts(robot, recording(robot, (late, q, v, a), effort))['gaps'] == 'doubt'
+    back = t.copy()
+    back[500], back[700] = back[498], back[699]
+    assert verdicts(robot, recording(robot, (back, q, v, a), effort))['order'] == 'doubt'
+    same = np.zeros_like(t)
+    for stamps, words in ((same, 'all header stamps are the same'),
+                          (-t, '0 repeated, 2399 backward stamps of 2400')):
+        check = check_recording(recording(robot, (stamps, q, v, a), effort), robot)
+        rate, = [f for f in check.findings if f.item == 'rate']
+        assert rate.verdict == 'wrong' and words in rate.text
+
+
+def test_one_stamp_far_ahead_costs_one_message(robot, motion):
+    t, q, v, a = motion
+    ahead = t.copy()
+    ahead[300] += 3600.0
+    check = check_recording(recording(robot, (ahead, q, v, a), torque(robot, motion)), robot)
+    whole = check_recording(recording(robot, motion, torque(robot, motion)), robot)
+    for joint, row in check.joints.items():
+        assert row['gain'] == pytest.approx(whole.joints[joint]['gain'], abs=0.02)
+
+
+def test_repeated_states(robot, motion):
+    hold = np.arange(len(motion[0])) // 2 * 2
+    twice = tuple(x[hold] for x in motion[1:])
+    made = recording(robot, (motion[0], *twice), torque(robot, motion)[hold])
+    assert verdicts(robot, made)['updates'] == 'doubt'
