@@ -1,4 +1,4 @@
-"""Drift in the least squares of identification: the same as more columns, one set per recording."""
+"""Drift in the least squares of identification: as more columns, one set per recording."""
 
 from core_helpers import effect_uses
 from left_out_helpers import DENSITY, DT, JOINTS, noise, parameters, system_of
@@ -24,7 +24,7 @@ def made(runs):
 
 
 def with_columns(system, mean, covariance):
-    """Return the System with columns of drift of their own for each recording, and the prior of it."""
+    """Return the System with columns of drift for each recording, and the prior of it."""
     parts = np.unique(system.recording)
     more = np.zeros((*system.torque.shape, 3 * JOINTS * len(parts)))
     state, velocity = system.drifting

@@ -73,7 +73,8 @@ def _write(path, tensors):
 
 @pytest.mark.parametrize('how', [
     'joints', 'effort_kind', 'schema', 'places', 'inputs', 'card is a list',
-    'joints are a number', 'card is no JSON', 'no card', 'no weights', 'weights cut', 'weights are noise',
+    'joints are a number', 'card is no JSON', 'no card', 'no weights', 'weights cut',
+    'weights are noise',
     'a tensor missing', 'a tensor of another shape', 'a tensor of another rank', 'a NaN',
     'a calibration of nothing'])
 def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):

@@ -262,7 +262,7 @@ def test_two_effects_that_look_like_a_third_together_are_both_found(joint, times
 
 
 def test_two_with_names_are_told_where_one_without_leaves_nothing():
-    """Friction of unequal levels beside more of it is a function of velocity, and has two names."""
+    """Unequal friction levels beside more of both are one function of velocity with two names."""
     def unequal(run):
         return np.abs(np.sign(run.x.v))
     diagnosis, _ = diagnosed(on(1, 3.0, unequal), on(1, 3.0, constant_friction))

@@ -41,10 +41,10 @@ class Residual:
     turns; columns Y (N, n, P) of the model, of which prompt (P,) are of no delay; dt, time (N,)
     [s]; messages (N,): joint states of each row; owner (N,): part of a recording; loads:
     LoadParameters known to be held in each; cut: into blocks; moving (N, n): where joints slide;
-    sliding (N, n): where they slide by the watch's stricter measure (sliding.py); expected (n,) [Nm]: RMS of the torque that the model itself says
-    it may be wrong by; noise (n,) [Nm]: RMS of what the model leaves that is surely noise; delays
-    {joint: [s]}: how late a joint was found to report its torque, declared what the model says of
-    that.
+    sliding (N, n): where they slide by the watch's stricter measure (sliding.py); expected (n,)
+    [Nm]: RMS of the torque that the model itself says it may be wrong by; noise (n,) [Nm]: RMS
+    of what the model leaves that is surely noise; delays {joint: [s]}: how late a joint was
+    found to report its torque, declared what the model says of that.
     """
 
     x: EffectInput
