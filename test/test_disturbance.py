@@ -123,6 +123,16 @@ def test_a_light_load_is_no_push(rows):
         assert finding.name == 'load_change'
 
 
+def test_a_light_load_off_the_flange_is_a_load_not_a_push():
+    """Its many parameters are no worse for being small ones: it turns with the hand."""
+    robot, motion = declared_model().robot, recorded()[1].motion
+    light = LoadParameters(0.25, np.array([0.0, 0.0, 0.03]), 1e-4 * np.eye(3)).to_products()
+    torque = np.array([robot.load_regressor(*row) @ light
+                       for row in zip(motion.q, motion.v, motion.a)])
+    _, (finding,) = found_in(with_torque(recorded(), 1, slice(300, 600), torque))
+    assert finding.name == 'load_change'
+
+
 def test_only_a_declared_load_can_be_lost():
     lost = loaded(slice(400, None), sign=-1.0)
     assert not [f for f in found_in(lost)[1] if f.name == 'load_change']

@@ -61,7 +61,7 @@ def unknown_left(model, residual, rest, left, trace):
         rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
         needed = UNKNOWN_FACTOR * trace.needed
         if rings is not None and rings.sure(needed):
-            evidence = Evidence(rings.gain, rings.gain_std, needed, rings.windows, trace.trials,
+            evidence = Evidence(rings.gain, rings.gain_std, needed, len(rings.gains), trace.trials,
                                 np.nan)
             found.append(_ringing(_finding(model, residual, rest, restless, 'time', evidence),
                                   rings, restless))

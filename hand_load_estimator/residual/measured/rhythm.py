@@ -21,6 +21,8 @@ LEAST_SHARE = 0.1    # of every joint's power: less is no account of what is lef
 # motion with this much at half the frequency it may have more.
 MOTION = 0.9         # of the residual's share
 PERIODIC = 0.8
+# The best so many windows may do most of it where it rings in some only; others this share.
+FEW, OTHERS = 3, 0.25
 # Bins on either side that belong to a peak; those of a Hann window are not independent.
 HALF, DEPENDENT = 2, 1.5
 # Of a joint's mean power: what is below it is rounding.
@@ -33,22 +35,33 @@ class Rhythm:
     The frequency [Hz] at which values stand out most, and its scatter from window to window.
 
     share (k,): of each joint's power that is near it; own: the largest share of any joint's
-    motion that may make it ring so; gain, gain_std [nats]: of the likelihood of windows by the
-    others, and its standard error; windows: their number.
+    motion that may make it ring so; gains (windows,) [nats]: of the likelihood of each window by
+    the others.
     """
 
     frequency: float
     scatter: float
     share: np.ndarray
     own: float
-    gain: float
-    gain_std: float
-    windows: int
+    gains: np.ndarray
+
+    @property
+    def gain(self):
+        """All that is gained [nats]."""
+        return float(self.gains.sum())
+
+    @property
+    def gain_std(self):
+        """Its standard error [nats]."""
+        return float(self.gains.std() * np.sqrt(len(self.gains)))
 
     def sure(self, needed):
-        """Tell whether it gains `needed` [nats], beyond its standard error, and is no motion's."""
+        """Tell whether it gains `needed` [nats], not by few windows alone, and is no motion's."""
         least = self.share.min()
-        return bool(self.gain >= needed and self.gain > SIGMAS * self.gain_std
+        # A swing that only some motions set off gains very unequally, and still surely.
+        others = np.sort(self.gains)[:-FEW].sum()
+        return bool(self.gain >= needed
+                    and (self.gain > SIGMAS * self.gain_std or others > OTHERS * self.gain)
                     and least > LEAST_SHARE and self.own < MOTION * least)
 
 
@@ -76,9 +89,8 @@ def rhythm(values, motion, dt, owner):
     peak = int(np.median(peaks))
     places = [_place(window, peak) / (size * step) for window in power.mean(axis=2)]
     return Rhythm(_place(power.mean(axis=(0, 2)), peak) / (size * step), float(np.std(places)),
-                  _near(power, peak, HALF),
-                  _of_motion(moved, peak),
-                  float(np.sum(gains)), float(np.std(gains) * np.sqrt(len(gains))), len(parts))
+                  _near(power, peak, HALF), _of_motion(moved, peak),
+                  np.array(gains))
 
 
 def _runs(owner):

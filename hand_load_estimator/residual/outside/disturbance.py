@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...motion import DELAY
-from .interval import edge_curve, fit, Kind, Search
+from .interval import edge_curve, evidence_of_any_size, fit, Kind, Search
 from .usual import Usual
 
 # Nats to be gained beyond the logarithm of the intervals tried.
@@ -179,17 +179,22 @@ class Disturbances:
             edge, std = self._edge(cause.kind, rows, first, stop, at_first)
             first, stop = (edge, stop) if at_first else (first, edge)
             edges[not at_first] = std
-        ranked = sorted([(fit(self._usual, cause.kind, first, stop)[0], cause),
-                         *((evidence, rival) for rival, _, _, evidence in self._explanations(
-                             first, stop, [c for c in self._causes if c is not cause]))],
-                        key=lambda pair: -pair[0])
         # With its edges where they are, another cause may explain it better.
-        (evidence, cause), rival = ranked[0], next(iter(ranked[1:]), None)
+        (likeliest, cause), rival = self._ranked(cause, first, stop)
+        evidence = fit(self._usual, cause.kind, first, stop)[0]
         theta, covariance = self._size(cause.kind, first, stop, others)
         start, end = (self._time(rows, edge, std) for edge, std in zip((first, stop), edges))
         return Disturbance(cause, int(self._residual.owner[first]), first, stop, theta, covariance,
                            start, end, evidence, self._needed(), self.tried,
-                           rival and rival[1].kind.name, rival and evidence - rival[0])
+                           rival and rival[1].kind.name, rival and likeliest - rival[0])
+
+    def _ranked(self, cause, first, stop):
+        """Return the likeliest (evidence of any size, Cause) of an interval, the next or None."""
+        others = self._explanations(first, stop, [c for c in self._causes if c is not cause])
+        ranked = sorted(((evidence_of_any_size(self._usual, c.kind, first, stop), c)
+                         for c in (cause, *(other for other, *_ in others))),
+                        key=lambda pair: -pair[0])
+        return ranked[0], next(iter(ranked[1:]), None)
 
     def _sure(self, found):
         """Return the Disturbances that stand out of what is left when all are left out."""

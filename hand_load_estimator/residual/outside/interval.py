@@ -10,6 +10,8 @@ LADDER = 1.4
 TOLD = 1.0
 # Median of chi^2 over its degrees of freedom, for a few of them.
 MEDIAN = 0.8
+# How strong something acts, in units of its scale, where nobody knows: as likely each of these.
+SIZES = 0.25 ** np.arange(5)
 
 
 @dataclass(frozen=True)
@@ -202,7 +204,24 @@ def edge_curve(usual, kind, rows, first, stop, at_first, near):
 
 def fit(usual, kind, first, stop):
     """Return evidence [nats], theta (k,), covariance (k, k) in units of scale for an interval."""
-    sums = Sums(usual, kind, slice(first, stop), stop - first)
-    matrix, vector = (part[0] for part in sums.between(np.array([0]), np.array([1])))
+    matrix, vector = _of_interval(usual, kind, first, stop)
     covariance = np.linalg.inv(matrix + np.eye(len(vector)))
     return float(evidence_of(matrix, vector)), covariance @ vector, covariance
+
+
+def evidence_of_any_size(usual, kind, first, stop):
+    """
+    Return the evidence [nats] of an interval where nobody knows how strong a Kind acts.
+
+    A prior of one size charges many parameters more than few for being small: what weighs little
+    would always be taken for a force.
+    """
+    matrix, vector = _of_interval(usual, kind, first, stop)
+    each = evidence_of(SIZES[:, None, None] ** 2 * matrix, SIZES[:, None] * vector)
+    return float(np.logaddexp.reduce(each) - np.log(len(SIZES)))
+
+
+def _of_interval(usual, kind, first, stop):
+    """Return information (k, k) and gradient (k,) of an interval."""
+    sums = Sums(usual, kind, slice(first, stop), stop - first)
+    return tuple(part[0] for part in sums.between(np.array([0]), np.array([1])))
