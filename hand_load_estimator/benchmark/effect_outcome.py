@@ -22,9 +22,11 @@ DESIGN_SETS = (
     {'presliding_hysteresis', 'stribeck_friction'},
     {'temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'},
     {'base_tilt', 'link_inertia'})
-# And one that no motion tells apart (confusable.PAIRS says why): what the blocks prefer is how
-# exact the formulas are.
-SAME_TORQUE = {'torque_offset', 'friction_asymmetry'}
+# And one more: an offset and a friction of unequal levels are the same while a joint slides, and
+# where contacts bend only reversals of less than their travel tell.
+INSEPARABLE = (*DESIGN_SETS, {'torque_offset', 'friction_asymmetry'})
+# And one where the report says that no motion of the arm in its mounting does.
+FIRST_LINK = {'rotor_inertia', 'link_inertia'}
 # Standard errors by which an alternative may be behind and still not be told from a finding.
 UNTOLD = 3.0
 # Share of its true value by which a swing's frequency may be off: a spectrum over ten seconds
@@ -82,23 +84,21 @@ def _here(finding, effect):
 
 def _both_named(finding, name, widely):
     """Tell whether a finding names an effect as one that nobody could tell from it."""
-    others = [other for other in finding['alternatives_detail']
-              if other['effect'] == name and set(other['joints']) == set(finding['joints'])]
+    others = [other for other in finding['alternatives_detail'] if other['effect'] == name]
+    if not finding['advice'] or not any(_untold(other, finding) for other in others):
+        return False
     pair = {finding['name'], name}
-    if not others or not finding['advice']:
-        return False
-    if widely and pair == SAME_TORQUE:
-        return True
-    if not any(map(_untold, others)):
-        return False
-    return pair in DESIGN_SETS or (widely and finding['advice'].startswith(NO_MOTION))
+    if widely and pair == FIRST_LINK:
+        return finding['advice'].startswith(NO_MOTION)
+    return pair in (INSEPARABLE if widely else DESIGN_SETS)
 
 
-def _untold(other):
-    """Tell whether the recordings do not tell an alternative from its finding."""
+def _untold(other, finding):
+    """Tell whether the recordings do not tell an alternative from a finding at its joints."""
     # What happened once has no standard error: nothing says that it could not be told.
-    return other['std'] is not None and (
+    close = other['std'] is not None and (
         other['behind'] <= 0.0 or other['behind'] < UNTOLD * other['std'])
+    return close and set(other['joints']) == set(finding['joints'])
 
 
 def _belongs(finding, effect, widely):

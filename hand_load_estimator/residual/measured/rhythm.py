@@ -21,8 +21,8 @@ LEAST_SHARE = 0.1    # of every joint's power: less is no account of what is lef
 # motion with this much at half the frequency it may have more.
 MOTION = 0.9         # of the residual's share
 PERIODIC = 0.8
-# The best so many windows may do most of it where it rings in some only; others this share.
-FEW, OTHERS = 3, 0.25
+# Of what is gained the recordings but the best do at least this share, if it rings in some only.
+OTHERS = 0.25
 # Bins on either side that belong to a peak; those of a Hann window are not independent.
 HALF, DEPENDENT = 2, 1.5
 # Of a joint's mean power: what is below it is rounding.
@@ -35,8 +35,8 @@ class Rhythm:
     The frequency [Hz] at which values stand out most, and its scatter from window to window.
 
     share (k,): of each joint's power that is near it; own: the largest share of any joint's
-    motion that may make it ring so; gains (windows,) [nats]: of the likelihood of each window by
-    the others.
+    motion that may make it ring so; gains, owner (windows,) [nats]: of the likelihood of each
+    window by the others, and the number of its recording.
     """
 
     frequency: float
@@ -44,6 +44,7 @@ class Rhythm:
     share: np.ndarray
     own: float
     gains: np.ndarray
+    owner: np.ndarray
 
     @property
     def gain(self):
@@ -56,13 +57,16 @@ class Rhythm:
         return float(self.gains.std() * np.sqrt(len(self.gains)))
 
     def sure(self, needed):
-        """Tell whether it gains `needed` [nats], not by few windows alone, and is no motion's."""
+        """Tell whether it gains `needed` [nats], beyond chance, and is no motion's."""
         least = self.share.min()
-        # A swing that only some motions set off gains very unequally, and still surely.
-        others = np.sort(self.gains)[:-FEW].sum()
-        return bool(self.gain >= needed
-                    and (self.gain > SIGMAS * self.gain_std or others > OTHERS * self.gain)
+        return bool(self.gain >= needed and self._again()
                     and least > LEAST_SHARE and self.own < MOTION * least)
+
+    def _again(self):
+        """Tell whether the gain is beyond its standard error, or more than one recording's."""
+        # A swing that only some motions set off gains very unequally, and still surely.
+        best = max(self.gains[self.owner == k].sum() for k in np.unique(self.owner))
+        return self.gain > SIGMAS * self.gain_std or self.gain - best > OTHERS * self.gain
 
 
 def rhythm(values, motion, dt, owner):
@@ -90,7 +94,7 @@ def rhythm(values, motion, dt, owner):
     places = [_place(window, peak) / (size * step) for window in power.mean(axis=2)]
     return Rhythm(_place(power.mean(axis=(0, 2)), peak) / (size * step), float(np.std(places)),
                   _near(power, peak, HALF), _of_motion(moved, peak),
-                  np.array(gains))
+                  np.array(gains), owner[[part.start for part in parts]])
 
 
 def _runs(owner):

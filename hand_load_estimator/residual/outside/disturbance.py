@@ -44,8 +44,8 @@ class Disturbance:
 
     theta in physical units; start, end: (time, std) [s] from the recording's first sample, None
     where it lasts from the start or to the end; evidence, needed [nats]; tried: intervals;
-    rival, margin [nats]: the next best explanation of the same time; explained (n,): share of each
-    joint's residual in that time.
+    rival, margin [nats]: the next best explanation of the same time, by evidence_of_any_size;
+    explained (n,): share of each joint's residual in that time.
     """
 
     cause: Cause
@@ -180,8 +180,7 @@ class Disturbances:
             first, stop = (edge, stop) if at_first else (first, edge)
             edges[not at_first] = std
         # With its edges where they are, another cause may explain it better.
-        (likeliest, cause), rival = self._ranked(cause, first, stop)
-        evidence = fit(self._usual, cause.kind, first, stop)[0]
+        (likeliest, cause), rival, evidence = self._ranked(cause, first, stop)
         theta, covariance = self._size(cause.kind, first, stop, others)
         start, end = (self._time(rows, edge, std) for edge, std in zip((first, stop), edges))
         return Disturbance(cause, int(self._residual.owner[first]), first, stop, theta, covariance,
@@ -189,12 +188,17 @@ class Disturbances:
                            rival and rival[1].kind.name, rival and likeliest - rival[0])
 
     def _ranked(self, cause, first, stop):
-        """Return the likeliest (evidence of any size, Cause) of an interval, the next or None."""
+        """
+        Return the likeliest (evidence of any size, Cause) of an interval, and the next or None.
+
+        And the evidence that something happened at all, whatever it was.
+        """
         others = self._explanations(first, stop, [c for c in self._causes if c is not cause])
+        causes = [cause, *(other for other, *_ in others)]
         ranked = sorted(((evidence_of_any_size(self._usual, c.kind, first, stop), c)
-                         for c in (cause, *(other for other, *_ in others))),
-                        key=lambda pair: -pair[0])
-        return ranked[0], next(iter(ranked[1:]), None)
+                         for c in causes), key=lambda pair: -pair[0])
+        return ranked[0], next(iter(ranked[1:]), None), max(
+            fit(self._usual, c.kind, first, stop)[0] for c in causes)
 
     def _sure(self, found):
         """Return the Disturbances that stand out of what is left when all are left out."""

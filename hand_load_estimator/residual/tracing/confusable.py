@@ -84,11 +84,11 @@ PAIRS = {
         'hold a known load still, cold and warm: a gain misreads it, friction does not',
     frozenset({'coulomb_friction', 'temperature_dependent_coulomb_friction'}):
         'record cold and warm, at several constant speeds',
-    # Springs that slide at one level forwards and another backwards hold the same in every motion
-    # as those of equal levels beside a constant. Not so friction that grows unequally with speed.
+    # While a joint slides, both levels of friction moved by the same are a constant.
     frozenset({'torque_offset', 'friction_asymmetry'}):
-        f'{NO_MOTION} an offset from unequal levels of friction; read the effort while the brakes '
-        'hold the joint: an offset stays, friction does not',
+        'reverse the joint many times over less than a milliradian, where contacts bend and do not '
+        'slide: all of an offset stays, of unequal levels a part; or read the effort while the '
+        'brakes hold the joint: an offset of the sensor stays',
     frozenset({'torque_ripple', 'cable_drag'}):
         'move the joint slowly at constant speed over its whole range',
     frozenset({'coulomb_friction', 'presliding_hysteresis'}):
