@@ -51,7 +51,8 @@ def test_what_more_than_one_recording_sets_off_is_no_burst(windows, sure):
     """Gains of a window that rings and of one that does not differ by more than they are."""
     noise, speed, dt, owner, time = recorded(7)
     strength = 4.0 * noise.std() * np.isin((time / 10.0).astype(int), windows)
-    found = rhythm(noise + (strength * np.sin(2.0 * np.pi * 1.3 * time))[:, None], speed, dt, owner)
+    swing = strength * np.sin(2.0 * np.pi * 1.3 * time)
+    found = rhythm(noise + swing[:, None], speed, dt, owner)
     assert found.gain > NEEDED and found.sure(NEEDED) == sure
     assert found.gain < 3.0 * found.gain_std
 

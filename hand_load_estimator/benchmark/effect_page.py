@@ -31,10 +31,11 @@ _HOW_JUDGED = (
     '`torque_offset` beside `friction_asymmetry`, which differ only where a joint reverses before '
     'its contacts slide; and the inertia of rotor and first link of an upright arm, where the '
     'report says that no motion separates them. Outside the vocabulary, only a confirmed '
-    '`unknown` counts, at the right joint and with the variable it depends on and no other: for a swinging load time with the '
-    f'frequency at which it swings, to {100.0 * FREQUENCY_OFF:.0f} %. Contacts and load changes '
-    'are in the recordings that errors are taken on, too, and not in the error goals. 95 % '
-    'intervals are Wilson\'s, as if cases were drawn independently.')
+    '`unknown` counts, at the right joint and with the variable it depends on and no other: for '
+    'a swinging load time with the frequency at which it swings, to '
+    f'{100.0 * FREQUENCY_OFF:.0f} %. Contacts and load changes are in the recordings that errors '
+    'are taken on, too, and not in the error goals. 95 % intervals are Wilson\'s, as if cases '
+    'were drawn independently.')
 
 
 def effects_markdown(results, command, commit, cases=()):

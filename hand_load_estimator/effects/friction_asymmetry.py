@@ -7,7 +7,8 @@ from .effect import Effect, side_by_side
 
 def _columns(x, j, _):
     # The levels belong to the directions the contacts are bent in: where they are not bent, on
-    # the way between the levels, nothing is left of the difference. That tells it from an offset.
+    # the way between the levels, nothing is left of the difference. Only that tells it from an
+    # offset.
     return side_by_side(np.abs(x.z[:, j]), np.abs(x.v[:, j]))
 
 

@@ -17,7 +17,8 @@ PER_JOINT, SHARED = 15, 11
 INPUTS = (
     'sin(q)', 'cos(q)', 'v / largest v', 'a / largest a', 'asinh(torque difference / rmse) / 3',
     'asinh(innovation / rmse) / 3', "asinh(std of the load's torque / rmse) / 3",
-    "asinh(load's torque / rmse) / 3", 'warmth / 20 K', 'friction state z', 'doubt of z, at most 1',
+    "asinh(load's torque / rmse) / 3", 'warmth / 20 K', 'friction state z',
+    'doubt of z, at most 1',
     'log(density / intensity) / 6, at most 2', 'asinh(v / 0.01 rad/s) / 3',
     'asinh(slow innovation / its std) / 3',
     'log(slow innovation squared over what is expected + 0.01) / 3, at most 2',

@@ -48,8 +48,8 @@ def _nothing(diagnosis):
     j = int(left_of.argmin())
     if left_of[j] < _ADAPTED:
         return (f'No effect named, but {diagnosis.robot} is no longer as its model says: at joint '
-                f'{diagnosis.joints[j]} the model written has an error of {diagnosis.after[j]:.3g} '
-                f'instead of {diagnosis.before[j]:.3g} Nm')
+                f'{diagnosis.joints[j]} the model written has an error of '
+                f'{diagnosis.after[j]:.3g} instead of {diagnosis.before[j]:.3g} Nm')
     if not np.isfinite(diagnosis.unexplained).all():
         return (f'No effect found; these recordings cannot tell whether the torque model fits '
                 f'{diagnosis.robot}')

@@ -187,7 +187,7 @@ class ShownAlong:
 
     @staticmethod
     def _follow(count, places, rows):
-        """Return friction (L, K of all) of `count` parts; places: (joints, figures ...) of each."""
+        """Return friction (L, K of all) of `count` parts; places: (joints, figures) of each."""
         *motion, dt = rows
         n, (joints, *figures) = motion[0].shape[1] // count, places
         travels, powers, *peak = (np.tile(figure, count) for figure in figures)

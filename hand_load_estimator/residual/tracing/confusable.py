@@ -86,9 +86,9 @@ PAIRS = {
         'record cold and warm, at several constant speeds',
     # While a joint slides, both levels of friction moved by the same are a constant.
     frozenset({'torque_offset', 'friction_asymmetry'}):
-        'reverse the joint many times over less than a milliradian, where contacts bend and do not '
-        'slide: all of an offset stays, of unequal levels a part; or read the effort while the '
-        'brakes hold the joint: an offset of the sensor stays',
+        'reverse the joint many times over less than a milliradian, where contacts bend and do '
+        'not slide: all of an offset stays, of unequal levels a part; or read the effort while '
+        'the brakes hold the joint: an offset of the sensor stays',
     frozenset({'torque_ripple', 'cable_drag'}):
         'move the joint slowly at constant speed over its whole range',
     frozenset({'coulomb_friction', 'presliding_hysteresis'}):
