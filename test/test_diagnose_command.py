@@ -195,6 +195,9 @@ def test_as_a_process_of_its_own(folder):
         check=True)
     assert json.loads(done.stdout)['schema'] == 'hand_load/diagnosis/1'
     assert (folder / 'own' / 'report.html').exists() and 'clean1' in done.stderr
+    for step in ('looking for contacts', 'computing the residual', 'tracing, round 1',
+                 'estimating everything together', 'telling where the residual lives'):
+        assert step in done.stderr
 
 
 @pytest.fixture(scope='module')

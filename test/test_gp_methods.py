@@ -88,6 +88,9 @@ def test_e6_3_the_index_follows_the_data(folder):
             lattices.append(made.reliability['most probable mass [kg]'] - estimate.mean[0])
     assert stds[-1] < 0.05 * stds[0]
     assert abs(lattices[-1]) < 2.0 * stds[-1]
+    for k, name in enumerate(('x [m]', 'y [m]', 'z [m]'), start=1):
+        assert abs(made.reliability[f'most probable {name}'] - estimate.mean[k]) \
+            < 3.0 * estimate.std[k]
 
 
 def test_e6_4_the_learned_functions_doubt_is_told(folder):

@@ -6,6 +6,7 @@ import numpy as np
 from plant_helpers import ur10e
 import pytest
 
+from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.residual.diagnosis import Alternative
 from hand_load_estimator.residual.findings import alternatives_of, separating_motion
 from hand_load_estimator.residual.tracing.candidate import Candidate, Step
@@ -23,7 +24,14 @@ def test_pairs_of_the_design_are_known_with_a_motion():
         assert pair[1] in partners(pair[0]) and pair[0] in partners(pair[1])
         assert len(advice(pair[0], [pair[1]])) > 20
         assert advice(*pair[:1], [pair[1]]) == advice(pair[1], [pair[0]])
-    assert all(len(pair) == 2 for pair in PAIRS)
+
+
+@pytest.mark.parametrize('pair', sorted(map(sorted, PAIRS)))
+def test_every_pair_has_a_motion_either_way(pair):
+    first, second = pair
+    assert {first, second} <= set(EFFECTS) | {'link_inertia'}
+    assert advice(first, [second]) == advice(second, [first]) == PAIRS[frozenset(pair)]
+    assert NO_KNOWN_MOTION not in advice(first, [second]) and second in partners(first)
 
 
 def test_advice_says_so_where_no_motion_is_known():

@@ -284,8 +284,15 @@ def test_what_has_no_name_is_unknown_with_its_variable():
     assert [(f.name, f.joints, f.variables) for f in diagnosis.findings] == [
         (UNKNOWN, (better.robot.joints[2],), ('velocity',))]
     assert diagnosis.unexplained_most[2] > 0.3
-    assert {(u.name, u.joint) for u in better.uses} \
-        == {(u.name, u.joint) for u in declared_model().uses}
+    declared = {(u.name, u.joint) for u in declared_model().uses}
+    assert {(u.name, u.joint) for u in better.uses} == declared
+    # A learned function is offered beside, marked as none of physics, with what it is worth.
+    offered = diagnosis.correction
+    assert {(u.name, u.joint) for u in offered.model.uses} - declared \
+        == {('learned_velocity_correction', 2)}
+    assert offered.after[2] < 1.3 * noise_of(better.robot)[2] < 0.3 * diagnosis.after[2]
+    assert any('it is no explanation' in text and better.robot.joints[2] in text
+               for text in diagnosis.remains)
 
 
 @pytest.mark.parametrize('power', [2, 3])

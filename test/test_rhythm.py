@@ -1,29 +1,10 @@
 """A residual that rings is told from one that is merely coloured, or moves as the arm does."""
 
-from types import SimpleNamespace
-
-from core_helpers import four_axes
 import numpy as np
 import pytest
+from ringing_helpers import NEEDED, recorded
 
-from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
-from hand_load_estimator.residual.doubts.unknown import unknown_left
 from hand_load_estimator.residual.measured.rhythm import rhythm
-
-STEP, SECONDS, JOINTS = 0.02, 40.0, 3
-NEEDED = 100.0   # [nats]
-
-
-def recorded(seed, memory=0.5, runs=4):
-    """Return coloured noise (N, JOINTS), slow speeds alike, dt, owner and time of some runs."""
-    rng = np.random.default_rng(seed)
-    count = int(SECONDS / STEP) * runs
-    noise, keep = rng.normal(size=(count, JOINTS)), np.exp(-STEP / memory)
-    for k in range(1, count):
-        noise[k] += keep * noise[k - 1]
-    time = STEP * np.arange(count)
-    speed = np.sin(2.0 * np.pi * 0.2 * time)[:, None] * np.ones(JOINTS)
-    return noise, speed, np.full(count, STEP), np.arange(count) // (count // runs), time
 
 
 @pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
@@ -88,25 +69,3 @@ def test_a_joint_that_is_silent_for_a_while_hides_nothing():
     noise += 3.0 * np.sin(2.0 * np.pi * 1.7 * time)[:, None]
     noise[500:1000, 0] = 0.0
     assert rhythm(noise, speed, dt, owner).sure(NEEDED)
-
-
-@pytest.mark.parametrize('size, verdict', [(3.0, CONFIRMED), (0.0, SUSPECTED)])
-def test_what_is_left_is_confirmed_where_it_rings(size, verdict):
-    noise, speed, dt, owner, time = recorded(6)
-    rest = noise + size * noise.std() * np.sin(2.0 * np.pi * 1.3 * time)[:, None]
-    joints = four_axes().joints[:JOINTS]
-    x = SimpleNamespace(v=speed, a=np.gradient(speed, STEP, axis=0), q=speed, gear=speed)
-    residual = SimpleNamespace(
-        x=x, dt=dt, owner=owner, moving=np.ones(rest.shape, dtype=bool),
-        weights=np.ones(rest.shape), starts=np.arange(0, len(rest), 250),
-        observations=len(rest) // 250, noise=noise.std(axis=0),
-        residual=rest, torque=rest)
-    model = SimpleNamespace(robot=SimpleNamespace(n=JOINTS, joints=joints))
-    trace = SimpleNamespace(steps=(), trials=1000, needed=NEEDED / 4.0)
-    found, = unknown_left(model, residual, rest, tuple(range(JOINTS)), trace)
-    assert found.verdict == verdict and found.variables == ('time',) and found.joints == joints
-    if verdict == CONFIRMED:
-        assert found.parameters['frequency'][0] == pytest.approx(1.3, rel=0.05)
-        assert (found.explained > 0.3).all() and found.evidence.gain > NEEDED
-    else:
-        assert not found.parameters and not found.explained.any()

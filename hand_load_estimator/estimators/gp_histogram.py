@@ -85,7 +85,8 @@ class GpHistogram(BesideBayes):
         """What the histogram says of its answer (E2.3, E6.3), by name."""
         return {'entropy [nat]': self.entropy,
                 'largest probability': float(self._places.probabilities.max()),
-                'most probable mass [kg]': float(self._places.best[0])}
+                **{f'most probable {name}': float(value) for name, value in
+                   zip(('mass [kg]', 'x [m]', 'y [m]', 'z [m]'), self._places.best)}}
 
     def _take(self, sample, prediction, columns):
         weights = sample.dt / prediction.density

@@ -35,6 +35,7 @@ from .measured.rest import rest_of
 from .measured.structure import structures
 from .outside.disturbance_findings import findings_again
 from .outside.standing_diagnosis import diagnose_standing, only_stands
+from .stated_shapes import with_stated_shapes
 from .tracing.trace import ROUNDS
 
 
@@ -61,10 +62,10 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     left_out = ex.outside.left_out(evidence, ex.whole) if kept else 0.0
     names = tuple(e.name for e in evidence)
     before, after, rest_of_test = _errors(ex.old, ex.better, ex.test)
-    findings, doubts = _found(model, ex, names, (before, after))
-    findings, between, state = _beyond_recordings(findings, model, ex)
     progress('telling where the residual lives')
     structure = structures(model, ex.better, ex.residual, ex.evidence, ex.warmed[0])
+    findings, doubts = _found(model, ex, names, (before, after), structure)
+    findings, between, state = _beyond_recordings(findings, model, ex)
     cannot = [*state, *by_name, *told, *ex.unused, *ex.warmed[1], *slow_joint_states(ex.evidence),
               *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
               *_unfinished(ex.trace),
@@ -87,7 +88,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
         another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
-            warm, ex.residual.expected, 0.0))), correction), ex.better
+            warm, ex.residual.expected, 0.0))), correction), \
+        with_stated_shapes(ex.better, findings)
 
 
 def _of_recordings(robot, evidence, test, ex):
@@ -96,19 +98,19 @@ def _of_recordings(robot, evidence, test, ex):
             *clipped_efforts(robot, [*evidence, *test])]
 
 
-def _found(model, ex, names, errors):
+def _found(model, ex, names, errors, structure):
     """
     Return Findings with the verdicts that hold, and sentences on why some do not.
 
     ex: Explanation of recordings with these names; errors: RMSE (n,) [Nm] of both models on the
-    test.
+    test; structure: (Structure before, Structure after).
     """
     better, trace, joints = ex.better, ex.trace, model.robot.joints
     left = unexplained_joints(ex.residual, ex.rest)
     odd = left + trace.unexplained()
     once, gone = findings_again(model.robot, names, ex.outside.shown, ex.seen, odd)
     findings = findings_of(model, better, trace, odd) + once \
-        + unknown_left(model, ex.residual, ex.rest, left, trace)
+        + unknown_left(model, ex.residual, ex.rest, left, trace, structure)
     findings, doubts = refuted(findings, joints, *errors,
                                lambda k: _errors_without(model, ex, trace.steps[k]))
     findings, kinds = of_another_kind(findings, ex.residual.interval,

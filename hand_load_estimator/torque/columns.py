@@ -27,7 +27,8 @@ class EffectUse:
     One declared effect on one joint: its name, joint index and shape values.
 
     An effect of the whole arm stands at joint 0. Shapes that are not given have their defaults;
-    shape_std: standard deviations of those that were estimated with the parameters.
+    shape_std: standard deviations of those that were estimated with the parameters, or that a
+    diagnosis states.
     """
 
     name: str

@@ -6,9 +6,10 @@ import numpy as np
 
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
 from ..measured.rhythm import rhythm
-from ..measured.structure import followed
+from ..measured.structure import CONSTANT, followed
 from ..pictures_left import pictures_left
 from ..tracing.trace import UNKNOWN_FACTOR
+from .not_named import not_named
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
 SHARE, TIMES_NOISE = 0.5, 1.5
@@ -41,21 +42,24 @@ def unexplained_joints(residual, rest):
         (last > SHARE * first) & (last > TIMES_NOISE * noise)))
 
 
-def unknown_left(model, residual, rest, left, trace):
+def unknown_left(model, residual, rest, left, trace, structure):
     """
     Return Findings for joints no effect explains: of the variable they follow, or in time.
 
-    Joints without a variable of their own are one finding: confirmed where they ring, which
-    recordings tell that did not choose the frequency; else all that is known is that time goes on.
+    structure: (Structure before, Structure after), which ask for temperature, time and the motion
+    of all other joints, too. Joints without a variable of their own are one finding: confirmed
+    where they ring, which recordings tell that did not choose the frequency; else all that is
+    known is that time goes on.
     """
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
-    follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
+    named = not_named(structure, model.robot.joints)
+    follows = {j: _variable(model.robot, residual, rest[:, j], j, named[j]) for j in joints}
     chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trace.trials, np.nan)
     found = [_finding(model, residual, rest, [j], variable, chance)
-             for j, (variable, share) in follows.items() if share > FOLLOWS]
-    restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
+             for j, variable in follows.items() if variable]
+    restless = [j for j, variable in follows.items() if not variable]
     if restless:
         motion = np.hstack([residual.x.v, residual.x.a])
         rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
@@ -68,6 +72,15 @@ def unknown_left(model, residual, rest, left, trace):
         else:
             found.append(_finding(model, residual, rest, restless, 'time', chance))
     return tuple(found)
+
+
+def _variable(robot, residual, rest, j, named):
+    """Return the variable that most of a joint's rest (N,) follows, or an empty string."""
+    variable, share = followed(robot, residual, rest, j)
+    if share > FOLLOWS:
+        return variable
+    # That it has a mean is no dependence.
+    return next((what for what, share in named if what != CONSTANT and share > FOLLOWS), '')
 
 
 def _ringing(finding, rings, joints):
