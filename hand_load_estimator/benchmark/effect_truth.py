@@ -62,6 +62,14 @@ def _swing(plant, _):
     return sum(force.frequency for force in plant.truth.forces)
 
 
+def _push(axis):
+    """Return a reader of the component of the full push on the hand [N], in base axes."""
+    def read(plant, _):
+        """Return it of a Plant."""
+        return float(sum(force.full[axis] for force in plant.truth.forces))
+    return read
+
+
 # effect: {parameter of the report: the same of the plant}. Effects whose form differs in the two
 # (cable, backlash, asymmetry, a point mass against ten products) have no common figure.
 COMPARABLE = {
@@ -80,9 +88,10 @@ COMPARABLE = {
     'torque_scale_temperature': {'slope': _of_joint('effort_gain_slope')},
     'torque_offset': {'level': _of_joint('effort_offset')},
     'time_delay': {'delay': _of_joint('effort_delay')},
+    'external_contact': {f'force_{axis}': _push(k) for k, axis in enumerate('xyz')},
     'load_change': {'mass': _held_mass}, 'swinging_load': {'frequency': _swing}}
 # No part of the model: what is said of them stands in the report only.
-IN_REPORT_ONLY = ('load_change', 'swinging_load')
+IN_REPORT_ONLY = ('external_contact', 'load_change', 'swinging_load')
 
 
 def true_change(robot, plant_seed, entry):
@@ -130,8 +139,6 @@ def _figures(model, name, joint):
         if use.effect.derived:
             derived = use.effect.derived(values, use.shape)
             out.update({p: float(v) for p, (v, _) in derived.items()})
-        if name == 'base_tilt':
-            out['angle'] = float(np.linalg.norm(values))
         if name == 'presliding_hysteresis':
             out['travel_of_reversal'] = _reversal(**use.shape)
         return out

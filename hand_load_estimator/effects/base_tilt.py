@@ -1,10 +1,16 @@
 """A base that leans."""
 
+import numpy as np
+
 from .effect import Effect
 
 
 def _columns(x, j, _):
     return x.tilt[:, j]
+
+
+def _derived(values, _):
+    return {'angle': (float(np.linalg.norm(values)), 'rad')}
 
 
 BASE_TILT = Effect(
@@ -13,4 +19,4 @@ BASE_TILT = Effect(
     'first principles: a small rotation r turns gravity g to g + r x g',
     (('about_first_axis', 'rad'), ('about_second_axis', 'rad')), (0.03, 0.03),
     _columns, in_link_torque=True, against='position', whole_arm=True, absolute=True,
-    needs=frozenset({'tilt'}))
+    derived=_derived, needs=frozenset({'tilt'}))
