@@ -74,8 +74,9 @@ def test_a_push_is_a_contact_with_its_force_and_time(first, count):
     outside, (finding,) = found_in(pushed(slice(first, first + count)))
     assert finding.name == 'external_contact' and finding.verdict == CONFIRMED
     assert finding.recording == 'run 0' and finding.evidence.gain > finding.evidence.needed
-    assert_told(finding, **dict(zip(('force_x', 'force_y', 'force_z'), FORCE)))
-    assert finding.parameters['force_z'][1] < 5.0
+    assert_told(finding, **dict(zip(('force_x', 'force_y', 'force_z'), FORCE)),
+                force=np.linalg.norm(FORCE))
+    assert finding.parameters['force_z'][1] < 5.0 and finding.parameters['force'][1] < 5.0
     start, end = (finding.parameters[name][0] for name in ('start', 'end'))
     assert start == pytest.approx(0.02 * first, abs=0.08)
     assert end == pytest.approx(0.02 * (first + count), abs=0.08)

@@ -183,6 +183,9 @@ def test_a_leaning_base_is_one_finding():
     for (name, _), truth in zip(EFFECTS['base_tilt'].parameters, (0.02, -0.03)):
         mean, std, unit = found.parameters[name]
         assert abs(mean - truth) < 4.0 * std + 5e-4 and std < 5e-3 and unit == 'rad'
+    angle, std, unit = found.parameters['angle']
+    assert abs(angle - np.hypot(0.02, 0.03)) < 4.0 * std + 5e-4 and unit == 'rad'
+    assert std <= max(found.parameters[name][1] for name, _ in EFFECTS['base_tilt'].parameters)
     assert_repaired(diagnosis, 1)
 
 

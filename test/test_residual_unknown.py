@@ -9,7 +9,7 @@ from ringing_helpers import JOINTS, NEEDED, recorded, STEP
 
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Structure, SUSPECTED
 from hand_load_estimator.residual.doubts.unknown import unknown_left
-from hand_load_estimator.residual.measured.structure import CONSTANT, TEMPERATURE
+from hand_load_estimator.residual.measured.structure import CONSTANT, TEMPERATURE, TIME
 
 NAMES = four_axes().joints[:JOINTS]
 NOTHING = np.zeros(JOINTS)
@@ -37,10 +37,18 @@ def unknowns(rest_of, after):
     return unknown_left(model, residual, rest, tuple(range(JOINTS)), trace, (after, after))
 
 
-@pytest.mark.parametrize('size, verdict', [(3.0, CONFIRMED), (0.0, SUSPECTED)])
-def test_what_is_left_is_confirmed_where_it_rings(size, verdict):
+# The first joint follows its temperature, the last one the first one's motion; all have a mean,
+# and drift with time, which says nothing.
+OTHERS = structure({CONSTANT: NOTHING + 0.9, TIME: NOTHING + 0.8,
+                    TEMPERATURE: np.array([0.7, 0.1, 0.1])},
+                   0.7 * np.eye(JOINTS)[[1, 1, 0]] * np.array([[0.0], [0.0], [1.0]]))
+
+
+@pytest.mark.parametrize('size, after, verdict', [
+    (3.0, structure({}), CONFIRMED), (3.0, OTHERS, CONFIRMED), (0.0, structure({}), SUSPECTED)])
+def test_what_is_left_is_confirmed_where_it_rings(size, after, verdict):
     found, = unknowns(lambda noise, time: noise + size * noise.std() * np.sin(
-        2.0 * np.pi * 1.3 * time)[:, None], structure({}))
+        2.0 * np.pi * 1.3 * time)[:, None], after)
     assert found.verdict == verdict and found.variables == ('time',) and found.joints == NAMES
     if verdict == CONFIRMED:
         assert found.parameters['frequency'][0] == pytest.approx(1.3, rel=0.05)
@@ -50,10 +58,7 @@ def test_what_is_left_is_confirmed_where_it_rings(size, verdict):
 
 
 def test_temperature_and_the_motion_of_any_joint_are_variables_too():
-    pairs = np.zeros((JOINTS, JOINTS))
-    pairs[2, 0] = 0.7
-    found = unknowns(lambda noise, _: noise, structure(
-        {CONSTANT: NOTHING + 0.9, TEMPERATURE: np.array([0.8, 0.1, 0.1])}, pairs))
+    found = unknowns(lambda noise, _: noise, OTHERS)
     assert {f.joints: f.variables for f in found} == {
         NAMES[:1]: ('temperature',), NAMES[1:2]: ('time',),
         NAMES[2:]: (f'the motion of {NAMES[0]}',)}

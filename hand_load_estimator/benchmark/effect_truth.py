@@ -62,12 +62,8 @@ def _swing(plant, _):
     return sum(force.frequency for force in plant.truth.forces)
 
 
-def _push(axis):
-    """Return a reader of the component of the full push on the hand [N], in base axes."""
-    def read(plant, _):
-        """Return it of a Plant."""
-        return float(sum(force.full[axis] for force in plant.truth.forces))
-    return read
+def _push(plant, _):
+    return float(sum(np.linalg.norm(force.at_most) for force in plant.truth.forces))
 
 
 # effect: {parameter of the report: the same of the plant}. Effects whose form differs in the two
@@ -88,8 +84,8 @@ COMPARABLE = {
     'torque_scale_temperature': {'slope': _of_joint('effort_gain_slope')},
     'torque_offset': {'level': _of_joint('effort_offset')},
     'time_delay': {'delay': _of_joint('effort_delay')},
-    'external_contact': {f'force_{axis}': _push(k) for k, axis in enumerate('xyz')},
-    'load_change': {'mass': _held_mass}, 'swinging_load': {'frequency': _swing}}
+    'external_contact': {'force': _push}, 'load_change': {'mass': _held_mass},
+    'swinging_load': {'frequency': _swing}}
 # No part of the model: what is said of them stands in the report only.
 IN_REPORT_ONLY = ('external_contact', 'load_change', 'swinging_load')
 

@@ -78,7 +78,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
                                  ex.trace.trials)
     warm = within_unknown_temperature(model, ex.evidence, ex.residual, ex.rest)
     findings, why = without_unknown_temperature(findings, model.robot, warm, ex.residual, ex.rest)
-    correction = offered(ex.better, findings, ex.evidence,
+    better = with_stated_shapes(ex.better, findings)
+    correction = offered(better, findings, ex.evidence,
                          lambda m: (_errors(ex.old, m, ex.test)[1], _sliding(m, ex.test)))
     return with_correction(Diagnosis(
         model.robot.name, tuple(model.robot.joints), before, after, rest_of_test.noise, findings,
@@ -88,8 +89,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         remains=doubts + between + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
         another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
-            warm, ex.residual.expected, 0.0))), correction), \
-        with_stated_shapes(ex.better, findings)
+            warm, ex.residual.expected, 0.0))), correction), better
 
 
 def _of_recordings(robot, evidence, test, ex):

@@ -228,8 +228,8 @@ def _of_effect(model, better, hypothesis, searched):
                 for k, (name, unit) in enumerate(effect.parameters)}
     if effect.derived:
         out |= _derived(effect, use.shape, mean, covariance)
-    # A knee is estimated with the parameters, any other shape was searched.
-    std = {**searched, **use.shape_std}
+    # A knee is estimated with the parameters, any other shape was searched: now, or once before.
+    std = {**use.shape_std, **searched}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 

@@ -25,5 +25,4 @@ def _stated(use, joint, findings):
     std = {name: told[1] for name in use.told_shape
            for told in [found.parameters.get(name, found.parameters.get(f'{name} ({joint})'))]
            if told is not None and np.isfinite(told[1])}
-    # What was estimated with the parameters says it better.
-    return replace(use, shape_std={**std, **use.shape_std})
+    return replace(use, shape_std={**use.shape_std, **std})

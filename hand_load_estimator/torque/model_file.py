@@ -277,14 +277,20 @@ def _read_shape(entry, effect):
     optional = not np.isfinite(list(effect.default_shape().values())).any()
     if optional and not entry.has('shape'):
         return {}, {}
-    return (_numbers(entry.section('shape'), effect, 1e-9),
-            _numbers(entry.section('shape_std'), effect, 0.0) if entry.has('shape_std') else {})
+    std = _numbers(entry.section('shape_std'), effect, 0.0, ()) if entry.has('shape_std') else {}
+    return _numbers(entry.section('shape'), effect, 1e-9), std
 
 
-def _numbers(section, effect, least):
-    """Return the numbers of an effect's shapes; those that need not be there may be missing."""
+def _numbers(section, effect, least, needed=None):
+    """
+    Return the numbers of an effect's shapes; those that need not be there may be missing.
+
+    needed: names of those that must be; by default what has a finite value of its own.
+    """
+    if needed is None:
+        needed = [s.name for s in effect.shapes if np.isfinite(s.default) and s.name not in _NEWER]
     values = {s.name: section.number(s.name, least) for s in effect.shapes
-              if (np.isfinite(s.default) and s.name not in _NEWER) or section.has(s.name)}
+              if s.name in needed or section.has(s.name)}
     section.refuse_unknown()
     return values
 

@@ -37,13 +37,13 @@ class ExternalContact(HiddenEffect):
 
 class _Push:
     def __init__(self, p):
-        self.full = p['force'] * np.asarray(p['direction'])
+        self.at_most = p['force'] * np.asarray(p['direction'])
         self._start, self._end = p['start'], p['start'] + p['duration']
 
     def force(self, time, place, rotation, dt):
         """Return the force (3,) [N] on the hand, in base axes, of a step."""
         rise = min(time - self._start, self._end - time) / _RAMP
-        return self.full * min(max(rise, 0.0), 1.0)
+        return self.at_most * min(max(rise, 0.0), 1.0)
 
 
 class SwingingLoad(HiddenEffect):

@@ -7,6 +7,7 @@ from ..measured.structure import LEAST
 # Less than this share of the structure is not worth a mark on a map, and less than that share of
 # all that is left not worth a sentence.
 SMALLEST, WEIGHTY = 0.01, 0.05
+MOTION_OF = 'the motion of '
 # At most so many variables are named for a joint; the maps show all.
 MOST = 3
 
@@ -24,7 +25,7 @@ def follows(structure, joints, j):
     """
     found = [(name, structure.share[name][j]) for name in structure.share
              if real(structure.share[name][j], structure.chance[name][j])]
-    found += [(f'the motion of {other}', structure.pairs[j, i]) for i, other in enumerate(joints)
+    found += [(f'{MOTION_OF}{other}', structure.pairs[j, i]) for i, other in enumerate(joints)
               if i != j and real(structure.pairs[j, i], structure.pairs_chance[j, i])]
     return tuple((name, min(float(share), 1.0)) for name, share in
                  sorted(found, key=lambda pair: -pair[1])[:MOST])

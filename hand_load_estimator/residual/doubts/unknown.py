@@ -6,10 +6,10 @@ import numpy as np
 
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
 from ..measured.rhythm import rhythm
-from ..measured.structure import CONSTANT, followed
+from ..measured.structure import followed, TEMPERATURE
 from ..pictures_left import pictures_left
 from ..tracing.trace import UNKNOWN_FACTOR
-from .not_named import not_named
+from .not_named import MOTION_OF, not_named
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
 SHARE, TIMES_NOISE = 0.5, 1.5
@@ -46,41 +46,44 @@ def unknown_left(model, residual, rest, left, trace, structure):
     """
     Return Findings for joints no effect explains: of the variable they follow, or in time.
 
-    structure: (Structure before, Structure after), which ask for temperature, time and the motion
-    of all other joints, too. Joints without a variable of their own are one finding: confirmed
-    where they ring, which recordings tell that did not choose the frequency; else all that is
-    known is that time goes on.
+    Joints without a variable of their own are one finding: confirmed where they ring, which
+    recordings tell that did not choose the frequency. Else what they follow is asked of structure,
+    (Structure before, Structure after), which knows temperature and the motion of all joints;
+    where that says nothing, either, all that is known is that time goes on.
     """
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
-    named = not_named(structure, model.robot.joints)
-    follows = {j: _variable(model.robot, residual, rest[:, j], j, named[j]) for j in joints}
+    follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
     chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trace.trials, np.nan)
-    found = [_finding(model, residual, rest, [j], variable, chance)
-             for j, variable in follows.items() if variable]
-    restless = [j for j, variable in follows.items() if not variable]
-    if restless:
-        motion = np.hstack([residual.x.v, residual.x.a])
-        rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
-        needed = UNKNOWN_FACTOR * trace.needed
-        if rings is not None and rings.sure(needed):
-            evidence = Evidence(rings.gain, rings.gain_std, needed, len(rings.gains), trace.trials,
-                                np.nan)
-            found.append(_ringing(_finding(model, residual, rest, restless, 'time', evidence),
-                                  rings, restless))
-        else:
-            found.append(_finding(model, residual, rest, restless, 'time', chance))
-    return tuple(found)
+
+    def found_in(joints, variable, evidence=chance):
+        return _finding(model, residual, rest, joints, variable, evidence)
+    found = [found_in([j], variable) for j, (variable, share) in follows.items()
+             if share > FOLLOWS]
+    restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
+    if not restless:
+        return tuple(found)
+    motion = np.hstack([residual.x.v, residual.x.a])
+    rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
+    needed = UNKNOWN_FACTOR * trace.needed
+    if rings is not None and rings.sure(needed):
+        evidence = Evidence(rings.gain, rings.gain_std, needed, len(rings.gains), trace.trials,
+                            np.nan)
+        return (*found, _ringing(found_in(restless, 'time', evidence), rings, restless))
+    farther = {j: _farther(structure, model.robot.joints, j) for j in restless}
+    found += [found_in([j], variable) for j, variable in farther.items() if variable]
+    restless = [j for j in restless if not farther[j]]
+    return (*found, found_in(restless, 'time')) if restless else tuple(found)
 
 
-def _variable(robot, residual, rest, j, named):
-    """Return the variable that most of a joint's rest (N,) follows, or an empty string."""
-    variable, share = followed(robot, residual, rest, j)
-    if share > FOLLOWS:
-        return variable
-    # That it has a mean is no dependence.
-    return next((what for what, share in named if what != CONSTANT and share > FOLLOWS), '')
+def _farther(structure, joints, j):
+    """Return what is no variable of joint j's own motion and its rest follows, or ''."""
+    # Of structure, and here as of `followed` of the whole.
+    part = structure[1].structured[j]
+    return next((what for what, share in not_named(structure, joints)[j]
+                 if (what == TEMPERATURE or what.startswith(MOTION_OF))
+                 and share * part > FOLLOWS), '')
 
 
 def _ringing(finding, rings, joints):

@@ -29,10 +29,12 @@ def _possible(force, covariance, owner):
 
 
 def contact_parameters(disturbance):
-    """Return {name: (mean, std, unit)} of the force."""
-    std = np.sqrt(np.diag(disturbance.covariance))
-    return {name: (disturbance.theta[k], std[k], unit)
-            for k, (name, unit) in enumerate(EXTERNAL_CONTACT.parameters)}
+    """Return {name: (mean, std, unit)} of the force and its size."""
+    force, covariance = disturbance.theta, disturbance.covariance
+    std, size = np.sqrt(np.diag(covariance)), np.linalg.norm(force)
+    own = {name: (force[k], std[k], unit)
+           for k, (name, unit) in enumerate(EXTERNAL_CONTACT.parameters)}
+    return own | {'force': (size, np.sqrt(force @ covariance @ force) / size, 'N')}
 
 
 def torque_parameters(disturbance, joints):
