@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from ringing_helpers import JOINTS, NEEDED, recorded, STEP
 
-from hand_load_estimator.residual.diagnosis import CONFIRMED, Structure, SUSPECTED
+from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Structure, SUSPECTED
+from hand_load_estimator.residual.doubts import unknown
+from hand_load_estimator.residual.doubts.function_left import FunctionLeft
 from hand_load_estimator.residual.doubts.unknown import unknown_left
 from hand_load_estimator.residual.measured.structure import CONSTANT, TEMPERATURE, TIME
 
@@ -33,7 +35,7 @@ def unknowns(rest_of, after):
         weights=np.ones(rest.shape), starts=np.arange(0, len(rest), 250),
         observations=len(rest) // 250, noise=noise.std(axis=0), residual=rest, torque=rest)
     model = SimpleNamespace(robot=SimpleNamespace(n=JOINTS, joints=NAMES))
-    trace = SimpleNamespace(steps=(), trials=1000, needed=NEEDED / 4.0)
+    trace = SimpleNamespace(steps=(), drifted=(), trials=1000, needed=NEEDED / 4.0)
     return unknown_left(model, residual, rest, tuple(range(JOINTS)), trace, (after, after))
 
 
@@ -63,3 +65,16 @@ def test_temperature_and_the_motion_of_any_joint_are_variables_too():
         NAMES[:1]: ('temperature',), NAMES[1:2]: ('time',),
         NAMES[2:]: (f'the motion of {NAMES[0]}',)}
     assert all(f.verdict == SUSPECTED for f in found)
+
+
+def test_a_function_that_tells_more_than_what_is_named_is_confirmed(monkeypatch):
+    told = FunctionLeft('velocity', Evidence(500.0, 50.0, NEEDED, 12, 1000, np.nan, 'backlash',
+                                             400.0), 0.9)
+    monkeypatch.setattr(unknown, 'function_left', lambda robot, trace, j: told if j == 1 else None)
+    found = unknowns(lambda noise, _: noise, structure({}))
+    confirmed, rest = found
+    assert (confirmed.verdict, confirmed.variables, confirmed.joints) == (
+        CONFIRMED, ('velocity',), NAMES[1:2])
+    assert confirmed.evidence.gain == 500.0 and confirmed.evidence.rms > 0.0
+    np.testing.assert_array_equal(confirmed.explained, [0.0, 0.9, 0.0])
+    assert rest.joints == (NAMES[0], NAMES[2]) and rest.verdict == SUSPECTED

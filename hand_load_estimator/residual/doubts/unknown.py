@@ -9,6 +9,7 @@ from ..measured.rhythm import rhythm
 from ..measured.structure import followed, TEMPERATURE
 from ..pictures_left import pictures_left
 from ..tracing.trace import UNKNOWN_FACTOR
+from .function_left import function_left
 from .not_named import MOTION_OF, not_named
 
 # Of the residual's structure more than this share is left, and it is so many times the noise.
@@ -46,6 +47,7 @@ def unknown_left(model, residual, rest, left, trace, structure):
     """
     Return Findings for joints no effect explains: of the variable they follow, or in time.
 
+    Of a variable it is confirmed where that tells surely more than what is named (function_left).
     Joints without a variable of their own are one finding: confirmed where they ring, which
     recordings tell that did not choose the frequency. Else what they follow is asked of structure,
     (Structure before, Structure after), which knows temperature and the motion of all joints;
@@ -54,13 +56,17 @@ def unknown_left(model, residual, rest, left, trace, structure):
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
     joints = [j for j in left if j not in known]
+    told = {j: function_left(model.robot, trace, j) for j in joints}
+    joints = [j for j in joints if not told[j]]
     follows = {j: followed(model.robot, residual, rest[:, j], j) for j in joints}
     chance = Evidence(np.nan, np.nan, np.nan, residual.observations, trace.trials, np.nan)
 
     def found_in(joints, variable, evidence=chance):
         return _finding(model, residual, rest, joints, variable, evidence)
-    found = [found_in([j], variable) for j, (variable, share) in follows.items()
-             if share > FOLLOWS]
+    found = [_told(found_in([j], function.variable, function.evidence), function, j)
+             for j, function in told.items() if function]
+    found += [found_in([j], variable) for j, (variable, share) in follows.items()
+              if share > FOLLOWS]
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if not restless:
         return tuple(found)
@@ -84,6 +90,13 @@ def _farther(structure, joints, j):
     return next((what for what, share in not_named(structure, joints)[j]
                  if (what == TEMPERATURE or what.startswith(MOTION_OF))
                  and share * part > FOLLOWS), '')
+
+
+def _told(finding, function, j):
+    """Return a Finding of joint j, confirmed by a FunctionLeft."""
+    explained = finding.explained.copy()
+    explained[j] = function.explained
+    return replace(finding, explained=explained, verdict=CONFIRMED)
 
 
 def _ringing(finding, rings, joints):

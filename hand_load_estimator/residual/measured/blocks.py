@@ -59,6 +59,18 @@ class Blocks:
         other.add(columns)
         return other
 
+    def fold_of_rows(self):
+        """Return the fold (N,) of each row."""
+        return np.repeat(self.folds, np.diff(self._ends, prepend=0))
+
+    def only(self, j, rows):
+        """Return Blocks in which nothing but some rows (N,) bool of joint j counts there."""
+        other = copy(self)
+        other.weights, other._joints = self.weights.copy(), list(self._joints)
+        other.weights[~rows, j] = 0.0
+        other._joints[j] = other._joint(j)
+        return other
+
     def left_over(self, j, beside=0.0):
         """
         Return the residual (N,) of joint j after its nuisances, fitted to all blocks.

@@ -19,17 +19,51 @@ def functions(residual, torque, j):
     residual: Residual; torque (n,): the joints' limits [Nm], which scale what is expected.
     """
     for variable, name in VARIABLES.items():
+        columns = hats(getattr(residual.x, name)[:, j], KNOTS)
+        if columns.shape[1]:
+            yield _function(variable, columns, torque, j)
+
+
+def functions_judged(residual, blocks, torque, j):
+    """
+    Yield (hypothesis as of functions, rows (N,) bool in which Blocks can judge it).
+
+    Half of the corners are spread evenly: a peak at a speed that a joint only passes through lies
+    between few quantiles. What only one fold has seen a function fitted to the others is a guess
+    at: rows are those between corners between which two folds have been.
+    """
+    folds, counts = blocks.fold_of_rows(), blocks.weights[:, j] > 0.0
+    for variable, name in VARIABLES.items():
         values = getattr(residual.x, name)[:, j]
-        columns = hats(values, KNOTS)
-        if columns.shape[1] < 4:
+        own = [values[counts & (folds == fold)] for fold in np.unique(folds[counts])]
+        if len(own) < 2:
             continue
-        scale = np.full(columns.shape[1], 0.1 * torque[j])
-        yield Hypothesis(UNKNOWN, j, {j: columns * scale}, scale, {}, variable)
+        low, high = sorted(map(np.min, own))[1], sorted(map(np.max, own))[-2]
+        if not low < high:
+            continue
+        even = np.linspace(low, high, KNOTS // 2)
+        columns = hats(np.clip(values, low, high), KNOTS - len(even), even)
+        if columns.shape[1]:
+            where = np.digitize(values, even)
+            seen = [np.isin(where, where[counts & (folds == fold)])
+                    for fold in np.unique(folds[counts])]
+            yield (_function(variable, columns, torque, j),
+                   (values >= low) & (values <= high) & (np.sum(seen, axis=0) > 1))
 
 
-def hats(values, knots):
-    """Return (N, <= knots) piecewise linear functions over the quantiles of values (N,)."""
-    places = np.unique(np.quantile(values, np.linspace(0.01, 0.99, knots)))
+def _function(variable, columns, torque, j):
+    scale = np.full(columns.shape[1], 0.1 * torque[j])
+    return Hypothesis(UNKNOWN, j, {j: columns * scale}, scale, {}, variable)
+
+
+def hats(values, knots, more=()):
+    """
+    Return (N, k) piecewise linear functions of values (N,): none (N, 0) if fewer than four.
+
+    Their corners are so many quantiles (knots), and `more`.
+    """
+    places = np.quantile(values, np.linspace(0.01, 0.99, knots))
+    places = np.unique(np.concatenate((places, more)))
     # What a filter forgets comes to rest at 1e-300: no function has a slope for that.
     places = places[np.diff(places, prepend=-np.inf) > LEAST_APART * np.ptp(places)]
     if len(places) < 4:

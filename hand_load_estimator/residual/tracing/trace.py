@@ -142,9 +142,9 @@ class Trace:
             return step
         return replace(step, chosen=joined(step.chosen.name, kept))
 
-    def beside(self, step):
+    def beside(self, *steps):
         """Return Blocks with all other steps for nuisances."""
-        return self._found.beside(step)
+        return self._found.beside(*steps)
 
     def without(self, step):
         """Return Blocks with all other steps as they are without a step."""
