@@ -308,7 +308,7 @@ def test_no_two_impossible_effects_stand_in_for_what_has_no_name(power):
 
 @pytest.mark.parametrize('named, nameless, verdicts', [
     (12.0, 2.5, {'viscous_friction': CONFIRMED, UNKNOWN: SUSPECTED}),
-    (3.0, 4.0, {'viscous_friction': SUSPECTED, UNKNOWN: SUSPECTED})])
+    (3.0, 4.0, {'viscous_friction': SUSPECTED, UNKNOWN: CONFIRMED})])
 def test_a_small_rest_without_a_name_does_not_speak_against_a_large_effect(named, nameless,
                                                                            verdicts):
     diagnosis, _ = diagnosed(on(2, named, viscous), on(2, nameless, resonance))
