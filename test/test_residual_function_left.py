@@ -105,6 +105,13 @@ def test_what_explains_nearly_all_is_told_from_no_function(torque):
     assert Traced(torque, {'viscous_friction': viscous}).function() is None
 
 
+@pytest.mark.parametrize('blocks, sure', [(4, False), (10, True)])
+def test_what_some_blocks_gain_and_others_lose_is_not_sure(blocks, sure):
+    def at_first(speed):
+        return peak(speed) * (np.arange(len(speed)) % LENGTH < blocks * BLOCK)
+    assert bool(Traced(at_first, {'viscous_friction': viscous}).function()) is sure
+
+
 def test_two_effects_are_weighed_together():
     def both(speed):
         return viscous(speed) + coulomb(speed)

@@ -33,22 +33,22 @@ def functions_judged(residual, blocks, torque, j):
     at: rows are those between corners between which two folds have been.
     """
     folds, counts = blocks.fold_of_rows(), blocks.weights[:, j] > 0.0
+    parts = [counts & (folds == fold) for fold in np.unique(folds[counts])]
+    if len(parts) < 2:
+        return
     for variable, name in VARIABLES.items():
         values = getattr(residual.x, name)[:, j]
-        own = [values[counts & (folds == fold)] for fold in np.unique(folds[counts])]
-        if len(own) < 2:
-            continue
-        low, high = sorted(map(np.min, own))[1], sorted(map(np.max, own))[-2]
+        low = sorted(values[rows].min() for rows in parts)[1]
+        high = sorted(values[rows].max() for rows in parts)[-2]
         if not low < high:
             continue
         even = np.linspace(low, high, KNOTS // 2)
         columns = hats(np.clip(values, low, high), KNOTS - len(even), even)
         if columns.shape[1]:
             where = np.digitize(values, even)
-            seen = [np.isin(where, where[counts & (folds == fold)])
-                    for fold in np.unique(folds[counts])]
+            seen = np.sum([np.isin(where, where[rows]) for rows in parts], axis=0)
             yield (_function(variable, columns, torque, j),
-                   (values >= low) & (values <= high) & (np.sum(seen, axis=0) > 1))
+                   (values >= low) & (values <= high) & (seen > 1))
 
 
 def _function(variable, columns, torque, j):
