@@ -63,12 +63,12 @@ def mistakes(n):
 
 
 # Wrists 2 and 3 of a UR are nearly alike: exchanged they pass.
-@pytest.mark.parametrize('name, passed', [('ur10e', ['all of 4']), ('panda', [])])
-def test_mistakes_with_real_arms_are_refused(name, passed, tmp_path_factory):
+@pytest.mark.parametrize('name', ['ur10e', 'panda'])
+def test_mistakes_with_real_arms_are_refused(name, tmp_path_factory):
     if not (DATA / name).is_dir():
         pytest.skip(f'no recordings at {DATA}; set HAND_LOAD_DATA')
     model, runs = arm(name, str(tmp_path_factory.mktemp(name)))
     assert all(wrong_joint(model, [run]) == '' for run in runs)
     found = {label: wrong_joint(model, [mistaken(runs[0], model, names, change)])
              for label, names, change in mistakes(model.robot.n)}
-    assert [label for label, said in found.items() if not said] == passed
+    assert [label for label, said in found.items() if not said] == []

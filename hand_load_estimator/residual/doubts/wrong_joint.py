@@ -6,6 +6,7 @@ explained by a gain or an offset that no drive has, and would be written into th
 """
 
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -23,8 +24,9 @@ ODD, WRONG = 0.1, 0.5
 DEAD, UNLIKE, ALIKE = 0.01, 0.1, 0.5
 # No torque constant, and no gear that was exchanged, is off by so much.
 LEAST_GAIN, MOST_GAIN = 0.2, 5.0
-# A mistake is one when undoing it leaves less than this share of the squared error, and no more
-# than so many times the noise's square per joint: then the model fits.
+# A mistake is one when undoing it leaves less than this share of the squared error of the joints
+# that err by more than noise, and no more than so many times the noise's square per joint: then
+# the model fits.
 UNDONE, FITS = 0.25, 10.0
 # The worst rows may be a push's.
 USUAL = 0.9
@@ -44,7 +46,7 @@ def wrong_joint(model, parts):
     if dead:
         return (f'the effort of {", ".join(dead)} tells nothing: it does not change with the '
                 'motion; try `hand_load check`')
-    mistake = _mistake(model, rows) if any(joint.left > ODD for joint in shown) else ''
+    mistake = _mistake(model, rows, any(joint.left > ODD for joint in shown))
     if mistake:
         return (f'fits the model once {mistake}, so it was recorded wrongly; correct the driver '
                 'or the robot file, and try `hand_load check`')
@@ -143,28 +145,49 @@ class _Rows:
         return out - np.reshape([robot.configured_torque(q) for q in motion[0]], out.shape)
 
 
-def _mistake(model, rows):
-    """Return in words what undone makes the recording fit the model, or ''."""
-    joints = model.robot.joints
-    n, tried = len(joints), []
-    for i in range(n):
-        signs = np.where(np.arange(n) == i, -1.0, 1.0)
-        tried += [({'signs': signs}, f'the angle of {joints[i]} counts the other way'),
-                  ({'signs': signs, 'only_efforts': True},
-                   f'the effort of {joints[i]} has the other sign')]
-        for j in range(i):
-            order = np.arange(n)
-            order[[i, j]] = j, i
-            both = f'of {joints[j]} and {joints[i]} are exchanged'
-            tried += [({'order': order, 'only_efforts': True}, f'the efforts {both}'),
-                      ({'order': order}, f'angles and efforts {both}')]
-    limit = min(UNDONE * _error(model, *rows.torques()), FITS * n)
-    error, words = min(((_error(model, *rows.torques(**how)), words)
-                        for how, words in tried), key=lambda pair: pair[0])
-    return words if error < limit else ''
+def _mistake(model, rows, odd):
+    """
+    Return in words what undone makes the recording fit the model, or ''.
+
+    odd: whether a joint is. Of one that is not, an offset that changed its sign looks like an
+    angle that counts the other way; joints that are exchanged look like nothing else.
+    """
+    told = _errors(model, *rows.torques())
+    erring = told > 1.0
+    if not erring.any():
+        return ''
+    tried = _exchanges(model.robot.joints) + (_signs(model.robot.joints) if odd else [])
+    errors, words = min(((_errors(model, *rows.torques(**how)), words)
+                         for how, words in tried), key=lambda pair: pair[0].sum())
+    undone = (errors[erring].sum() < UNDONE * told[erring].sum()
+              and errors.sum() < FITS * len(told))
+    return words if undone else ''
 
 
-def _error(model, measured, modelled):
-    """Return the squared error in units of the noise, of all joints, without the worst rows."""
+def _signs(joints):
+    """Return [(arguments of torques() that undo it, words)] of every joint's other sign."""
+    out = []
+    for i, joint in enumerate(joints):
+        signs = np.where(np.arange(len(joints)) == i, -1.0, 1.0)
+        out += [({'signs': signs}, f'the angle of {joint} counts the other way'),
+                ({'signs': signs, 'only_efforts': True},
+                 f'the effort of {joint} has the other sign')]
+    return out
+
+
+def _exchanges(joints):
+    """Return [(arguments of torques() that undo it, words)] of every two joints exchanged."""
+    out = []
+    for i, j in combinations(range(len(joints)), 2):
+        order = np.arange(len(joints))
+        order[[i, j]] = j, i
+        both = f'of {joints[i]} and {joints[j]} are exchanged'
+        out += [({'order': order, 'only_efforts': True}, f'the efforts {both}'),
+                ({'order': order}, f'angles and efforts {both}')]
+    return out
+
+
+def _errors(model, measured, modelled):
+    """Return squared errors (n,) in units of the noise, without the worst rows."""
     squares = np.sort((measured - modelled) ** 2, axis=0)[:int(USUAL * len(measured))]
-    return float((squares.mean(axis=0) / model.noise ** 2).sum())
+    return squares.mean(axis=0) / model.noise ** 2
