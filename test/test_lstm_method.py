@@ -155,12 +155,13 @@ def test_calibration_scales_standard_deviations(tmp_path, robot, silent):
 
 
 def test_factors_follow_how_well_a_parameter_is_determined():
-    factors = np.tile(np.arange(1.0, 7.0), (10, 1))
-    level = level_of(np.full(10, 10.0 ** -1.25), np.ones(10))
-    np.testing.assert_allclose(factors_at(factors, level), 3.5)
+    factors = np.tile(np.arange(1.0, 1.0 + len(LEVELS)), (10, 1))
+    level = level_of(np.full(10, 10.0 ** (0.3 * LEVELS[2] + 0.7 * LEVELS[3])), np.ones(10))
+    np.testing.assert_allclose(factors_at(factors, level), 3.7)
     # Beyond the levels the outermost factors hold.
     np.testing.assert_allclose(factors_at(factors, np.full(10, -4.0)), 1.0)
-    np.testing.assert_allclose(factors_at(factors, level_of(np.full(10, 3.0), np.ones(10))), 6.0)
+    np.testing.assert_allclose(factors_at(factors, level_of(np.full(10, 3.0), np.ones(10))),
+                               len(LEVELS))
 
 
 def test_factors_are_interpolated_linearly_one_row_each():

@@ -14,7 +14,7 @@ TOLD = (9, 19, 29, 49, 99)
 NORMAL_95 = 1.959964
 # Answers within this of a level [decades] tell its factor; fewer than LEAST tell nothing sure,
 # and then the nearest LEAST of all answers do.
-NEAR, LEAST = 0.35, 400
+NEAR, LEAST = 0.2, 1500
 
 
 def _errors(network, paths, prior):

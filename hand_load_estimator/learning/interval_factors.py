@@ -9,7 +9,7 @@ for the other.
 import numpy as np
 
 # log10 of the stated standard deviation over the prior's, at which factors are held.
-LEVELS = (-2.5, -2.0, -1.5, -1.0, -0.5, 0.0)
+LEVELS = tuple(-2.5 + 0.25 * k for k in range(11))
 _SPACING, _PLACES = LEVELS[1] - LEVELS[0], np.arange(len(LEVELS))
 
 

@@ -35,7 +35,7 @@ class Recipe:
     """
 
     sequences: int = 6400
-    calibration: int = 640
+    calibration: int = 1280
     validation: int = 640
     passes: int = 9
     hidden: int = 48
