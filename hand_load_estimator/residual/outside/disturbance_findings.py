@@ -39,13 +39,21 @@ def findings_again(robot, names, shown, better, odd=()):
     shown: pairs of a Residual and a Disturbance in it, each of a model without something; better:
     Residual and Disturbances of the better model on the same whole recordings. That model was
     fitted without these times; what is not found again with it was rather a part of something
-    that goes on all the time.
+    that goes on all the time. What pushes until the end, or from the start, of the only recording
+    may be the arm, which is another then.
     """
     cleaner, again = better
     same, findings, told = _pairs([one for _, one in shown], again), [], []
     for residual, one in shown:
         if id(one) in same:
-            findings.append(_finding(robot, names, cleaner, same[id(one)], odd))
+            found = same[id(one)]
+            findings.append(_finding(robot, names, cleaner, found, odd))
+            if len(set(names)) == 1 and not found.cause.kind.open_ended \
+                    and None in (found.start, found.end):
+                findings[-1] = replace(findings[-1], verdict=SUSPECTED)
+                told.append(f'{findings[-1].recording}: {findings[-1].name}{at(found)} is only '
+                            f'suspected: it does not {"end" if found.start else "begin"} within '
+                            'the only recording, so it may be another offset of these joints')
             continue
         findings.append(_finding(robot, names, residual, one, odd))
         # Of an arm that is held nothing is foretold (standing.py).
