@@ -46,7 +46,8 @@ class Traced:
         noise = np.random.default_rng(4).normal(size=v.shape) * NOISE
         noise[:, JOINT] += torque(v[:, JOINT])
         still = np.zeros_like(v)
-        self.residual = SimpleNamespace(x=SimpleNamespace(v=v, q=still, a=still, gear=still))
+        self.residual = SimpleNamespace(x=SimpleNamespace(v=v, q=still, a=still, gear=still,
+                                                           drive=still))
         starts = np.arange(0, len(v), BLOCK)
         self._blocks = Blocks(
             noise, np.full(v.shape, NOISE ** -2), [np.zeros((len(v), 1))] * ROBOT.n, starts,

@@ -330,3 +330,16 @@ def test_what_the_model_expects_is_in_the_model_written_all_the_same():
     joint = better.robot.joints[2]
     told = [s for s in diagnosis.cannot_tell if f'viscous_friction of {joint}' in s]
     assert len(told) == 1 and 'model.yaml has the change' in told[0]
+
+
+@pytest.mark.parametrize('end', [1.0, 0.5])
+def test_an_effort_that_ends_softly_is_no_gain(end, joint=1):
+    """A gain comes nearest, and is only suspected; a gain that is one is confirmed."""
+    end *= max(np.abs(torque[:, joint]).max() for _, _, torque in clean_runs(SECONDS))
+    diagnosis, _ = diagnosed(
+        alone(lambda run: end * np.tanh(run.torque / end) - run.torque, joint))
+    found = {f.name: f for f in diagnosis.findings}
+    assert told(diagnosis) == {UNKNOWN: (declared_model().robot.joints[joint],)}
+    assert found[UNKNOWN].variables == ('drive torque',)
+    assert found['torque_scale'].verdict == SUSPECTED
+    assert list(told(diagnosed(alone(lambda run: 0.1 * run.torque, joint))[0])) == ['torque_scale']

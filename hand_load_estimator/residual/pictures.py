@@ -108,7 +108,7 @@ def _variable(robot, residual, hypothesis, j, against):
         return residual.time - residual.time.min(), 'time [s]'
     if against == 'drive torque times warmth':
         return x.drive[:, j] * x.warmth[:, j], axis_label(against)
-    name = {'drive torque': 'drive', 'rate of torque': 'rate', **VARIABLES}[against]
+    name = {'rate of torque': 'rate', **VARIABLES}[against]
     return getattr(x, name)[:, j], axis_label(against)
 
 

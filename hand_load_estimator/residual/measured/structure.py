@@ -11,6 +11,7 @@ from .rest import rest_of
 CONSTANT, DIRECTION, TEMPERATURE, TIME = 'constant', 'direction', 'temperature', 'time'
 ORDER = (CONSTANT, 'position', 'velocity', DIRECTION, 'acceleration', 'gear torque', TEMPERATURE,
          TIME)
+OWN_MOTION = {name: VARIABLES[name] for name in ORDER if name in VARIABLES}
 # Knots of a function of one variable, and of one of several that are fitted together.
 KNOTS, FEW_KNOTS = 16, 8
 # A recording's time gets one knot for so many of its blocks: quicker is no change over time.
@@ -76,7 +77,7 @@ def _functions(residual, j, warmed):
     x = residual.x
     one = np.ones((len(x.q), 1))
     yield CONSTANT, one[:, :0], one
-    for name, attribute in VARIABLES.items():
+    for name, attribute in OWN_MOTION.items():
         yield name, one, hats(getattr(x, attribute)[:, j], KNOTS)
     yield DIRECTION, one, x.z[:, j, None]
     # Both change friction, which is seen as torque along the motion and grows with speed.
@@ -101,7 +102,7 @@ def _times(residual):
 def _pairs(residual, values, j, size):
     """Return (n, 2): what joint j's own motion foretells, and what each other's adds to it."""
     x, n = residual.x, residual.residual.shape[1]
-    own = np.hstack([hats(getattr(x, name)[:, j], FEW_KNOTS) for name in VARIABLES.values()])
+    own = np.hstack([hats(getattr(x, name)[:, j], FEW_KNOTS) for name in OWN_MOTION.values()])
     alone = _tried(residual, values, j, size * np.ones((len(own), 1)))
     beside = _tried(residual, values, j, size * own)
     return [alone.explained(size * own) if i == j else
@@ -133,7 +134,7 @@ def followed(robot, residual, rest, j):
     x, whole = residual.x, float(_square(residual, rest[:, None])[j])
     size = np.sqrt(whole)
     trial = _tried(residual, rest, j, np.zeros((len(rest), 0)))
-    variables = {name: getattr(x, attribute)[:, j] for name, attribute in VARIABLES.items()}
+    variables = {name: getattr(x, attribute)[:, j] for name, attribute in OWN_MOTION.items()}
     variables |= {f'velocity of {robot.joints[i]}': x.v[:, i]
                   for i in (j - 1, j + 1) if 0 <= i < robot.n}
     shares = {name: trial.explained(size * hats(values, KNOTS))[0] / whole

@@ -8,8 +8,10 @@ from .hypothesis import Hypothesis
 KNOTS = 32
 # Knots are so far apart, as a share of all that they cover.
 LEAST_APART = 1e-6
-# What an unknown effect may be a function of; torque through the gear includes the load's.
-VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', 'gear torque': 'gear'}
+# What an unknown effect may be a function of; torque through the gear includes the load's, the
+# drive's friction too.
+TORQUES = {'gear torque': 'gear', 'drive torque': 'drive'}
+VARIABLES = {'velocity': 'v', 'position': 'q', 'acceleration': 'a', **TORQUES}
 
 
 def functions(residual, torque, j):

@@ -20,6 +20,7 @@ from .found import Found
 from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
+from .saturating import gain_beside, saturates
 from .superseded import take_back
 from .together import Together
 
@@ -156,8 +157,13 @@ class Trace:
         for step in self.steps:
             if step.chosen.name == UNKNOWN:
                 found |= {j for j in step.chosen.joints
-                          if step.chosen.gain >= REST * self._named(j)}
+                          if step.chosen.gain >= REST * self._named(j)
+                          or saturates(step.chosen, self.steps, self._model.robot.n)}
         return tuple(sorted(found))
+
+    def _nameless(self, candidate):
+        """Tell whether a candidate is any `unknown` but one that a gain should explain."""
+        return candidate.name == UNKNOWN and gain_beside(candidate, self.steps) is None
 
     def _named(self, joint):
         """Return what named effects gained at a joint [nats]."""
@@ -180,7 +186,7 @@ class Trace:
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
         times = np.sqrt(np.mean(torque ** 2, axis=0)) / self.residual.noise
-        least = UNKNOWN_RMS if candidate.name == UNKNOWN else LEAST_RMS
+        least = UNKNOWN_RMS if self._nameless(candidate) else LEAST_RMS
         # What joints have in common they show together.
         return bool((np.linalg.norm(times) if candidate.common else times.max()) >= least)
 
@@ -195,7 +201,7 @@ class Trace:
             if best.gain < needed:
                 return ()
             if not significant(best) or not self.matters(best) or (
-                    best.name == UNKNOWN and best.gain < UNKNOWN_FACTOR * needed):
+                    self._nameless(best) and best.gain < UNKNOWN_FACTOR * needed):
                 continue
             step = self._step(best, ranked, needed)
             return self._two_instead(step.chosen, needed) or (step,)
@@ -248,7 +254,7 @@ class Trace:
         explained = {j: max((self._share(c, j) for c in named if j in c.touched), default=0.0)
                      for j in best}
         orphans = [c for j, c in best.items() if c is not None
-                   and explained[j] < ADEQUATE * c.gain]
+                   and explained[j] < (ADEQUATE if self._nameless(c) else 1.0) * c.gain]
         return adequate + orphans
 
     def _of_the_arm(self, pairs, others):
