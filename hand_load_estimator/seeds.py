@@ -18,12 +18,12 @@ BENCHMARK_CASES = range(4_000_000, 4_100_000)
 # Those before (1540 to 1589, 4,220,000 on) showed what training's draws lacked.
 FINAL_PLANTS = range(1600, 1650)
 FINAL_CASES = range(4_270_000, 4_320_000)
-FINAL_UNDECLARED_PLANTS = range(1450, 1500)
-FINAL_UNDECLARED_CASES = range(4_150_000, 4_200_000)
-# Arms in which an effect is hidden for `diagnose`; what failed on those before (1500 to 1519,
+FINAL_UNDECLARED_PLANTS = range(1700, 1750)
+FINAL_UNDECLARED_CASES = range(4_320_000, 4_370_000)
+# Arms in which an effect is hidden for `diagnose`; what failed on those before (1500 to 1539,
 # 4,200,000 on) was looked at.
-FINAL_EFFECT_PLANTS = range(1520, 1540)
-FINAL_EFFECT_CASES = range(4_210_000, 4_220_000)
+FINAL_EFFECT_PLANTS = range(1750, 1770)
+FINAL_EFFECT_CASES = range(4_370_000, 4_380_000)
 # The plant whose recordings made the shipped model. The demo and the simulator use it too: the
 # user's arm is the one that was identified.
 SHIPPED_MODEL_PLANT = 1

@@ -84,7 +84,7 @@ def change(name, strength):
 
 def test_the_names_of_the_design_are_all_there():
     assert DESIGN_NAMES <= set(EFFECTS)
-    assert {'speed_resonance_friction', 'swinging_load'} <= set(EFFECTS)
+    assert {'speed_resonance_friction', 'swinging_load', 'saturating_drive'} <= set(EFFECTS)
 
 
 @pytest.mark.parametrize('name', sorted(set(EFFECTS) - {'load_dependent_friction'}))

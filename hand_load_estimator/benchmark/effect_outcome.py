@@ -135,7 +135,8 @@ def _outcome(effect, result, false, widely):
 def _outside(effect, result, false):
     """Judge an effect that no model knows: a confirmed `unknown` with its variable alone."""
     unknown = [f for f in result['findings'] if f['name'] == UNKNOWN and _here(f, effect)]
-    right = [f for f in unknown if _variables(f) == [NOT_IN_VOCABULARY[effect['name']]]
+    allowed = [[variable] for variable in NOT_IN_VOCABULARY[effect['name']]]
+    right = [f for f in unknown if _variables(f) in allowed
              and _rings_right(f, result['parameters'])]
     if not unknown:
         return CONFUSED if false else MISSED

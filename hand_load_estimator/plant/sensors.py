@@ -30,6 +30,7 @@ class Sensors:
         """Return the torque (n,) the robot believes in, before noise."""
         truth = self._truth
         warmer = temperature - self._robot.file.reference_temperature
+        torque = saturated(torque, truth.effort_bend)
         reported = torque * (truth.effort_gain + truth.effort_gain_slope * warmer)
         reported += truth.effort_offset
         return reported - self._robot.configured_torque(position)
@@ -38,6 +39,14 @@ class Sensors:
         """Return reported temperatures (n,) [degC] of the sensors' nodes."""
         noise = self._difficulty.temperature_noise * self._rng.standard_normal(len(sensor))
         return _rounded(sensor + noise, self._difficulty.temperature_quantum)
+
+
+def saturated(torque, bend):
+    """Return what is reported of torques (..., n) [Nm] by drives that end softly at 1 / bend."""
+    if not np.count_nonzero(bend):
+        return torque
+    small = np.maximum(bend, 1e-12)
+    return np.where(bend > 0.0, np.tanh(small * torque) / small, torque)
 
 
 def _rounded(value, quantum):

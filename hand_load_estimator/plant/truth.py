@@ -16,7 +16,8 @@ class Truth:
 
     links: n pseudo-inertias (4, 4) in the joint frames; rotor (n,) [kg m^2]; gravity (3,);
     friction; noise (n,) [Nm]; constants (n,) [Nm/A or 1]; effort_gain, effort_gain_slope [1/K],
-    effort_offset [Nm], effort_delay [s] (n,); joint_torques, forces: what acts beside these; held:
+    effort_bend [1/Nm] (tanh(bend x torque) / bend is reported), effort_offset [Nm], effort_delay [s]
+    (n,); joint_torques, forces: what acts beside these; held:
     what hangs on the hand for a time beside the plant's load.
     """
 
@@ -28,6 +29,7 @@ class Truth:
     constants: np.ndarray
     effort_gain: np.ndarray
     effort_gain_slope: np.ndarray
+    effort_bend: np.ndarray
     effort_offset: np.ndarray
     effort_delay: np.ndarray
     joint_torques: list = field(default_factory=list)
@@ -48,8 +50,8 @@ def draw_truth(robot, difficulty, rng):
         gravity=np.array(file.gravity), friction=draw_friction(robot, difficulty, rng),
         noise=by_size(difficulty.torque_noise, file.max_torque),
         constants=file.effort.torque_constants * (1.0 + doubt),
-        effort_gain=np.ones(n), effort_gain_slope=np.zeros(n), effort_offset=np.zeros(n),
-        effort_delay=np.zeros(n))
+        effort_gain=np.ones(n), effort_gain_slope=np.zeros(n), effort_bend=np.zeros(n),
+        effort_offset=np.zeros(n), effort_delay=np.zeros(n))
 
 
 def _wrong(products, error, rng):

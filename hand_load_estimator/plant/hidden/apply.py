@@ -5,7 +5,8 @@ import numpy as np
 from ...errors import ConfigurationError
 from ..arm import Arm
 from .contact import ExternalContact, SwingingLoad
-from .effort import TimeDelay, TorqueOffset, TorqueScale, TorqueScaleTemperature
+from .effort import (SaturatingDrive, TimeDelay, TorqueOffset, TorqueScale,
+                     TorqueScaleTemperature)
 from .friction import (CoulombFriction, FrictionAsymmetry, LoadDependentFriction,
                        PreslidingHysteresis, ShearThinningFriction, SpeedResonanceFriction,
                        StribeckFriction, TemperatureDependentCoulomb,
@@ -22,7 +23,7 @@ EFFECTS = {kind.name: kind for kind in (
     TemperatureDependentViscous(), TemperatureDependentCoulomb(), PreslidingHysteresis(),
     Backlash(), TorqueRipple(), TorqueScale(), TorqueScaleTemperature(), TorqueOffset(),
     TimeDelay(), ExternalContact(), SpeedResonanceFriction(), SwingingLoad(), LoadChange(),
-    ShearThinningFriction())}
+    ShearThinningFriction(), SaturatingDrive())}
 # Halvings of the logarithm of an amplitude: five decades to half a percent.
 _BISECTIONS = 11
 

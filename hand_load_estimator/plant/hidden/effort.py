@@ -1,7 +1,8 @@
-"""Errors of the reported effort: gain, its change with temperature, offset, delay."""
+"""Errors of the reported effort: gain, its change with temperature, soft end, offset, delay."""
 
 import numpy as np
 
+from ..sensors import saturated
 from .effect import HiddenEffect, Parameter
 from .reference_motion import WARMER
 
@@ -71,3 +72,23 @@ class TimeDelay(HiddenEffect):
     def apply(self, truth, p):
         """Add to the delay."""
         truth.effort_delay = truth.effort_delay + p['delay']
+
+
+class SaturatingDrive(HiddenEffect):
+    """Effort that falls behind the torque as that grows, to end at 1 / bend: in no vocabulary."""
+
+    name, amplitude = 'saturating_drive', 'bend'
+    parameters = {'bend': Parameter('1/Nm', 0.0)}
+    linear = False
+
+    def bounds(self, truth):
+        """Return bends of which nothing, and nearly all, of a torque as large as noise is lost."""
+        return 1e-3 / truth.noise / 100.0, 1.0 / truth.noise
+
+    def torque_along(self, motion, truth, p):
+        """Return what is reported less the torque."""
+        return saturated(motion.motor, p['bend']) - motion.motor
+
+    def apply(self, truth, p):
+        """Add to the bend."""
+        truth.effort_bend = truth.effort_bend + p['bend']
