@@ -9,7 +9,7 @@ import torch
 
 from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.learning import calibration
+from hand_load_estimator.learning import calibration, random_loads
 from hand_load_estimator.learning.calibration import calibrate, held_out_scores, TOLD
 from hand_load_estimator.learning.features import feature_count, features, INPUTS
 from hand_load_estimator.learning.interval_factors import LEVELS
@@ -220,6 +220,20 @@ def test_random_loads_are_bodies_the_hand_may_hold():
             assert np.linalg.eigvalsh(load.inertia)[2] < most * load.mass
             assert np.linalg.eigvalsh(pseudo_inertia(load.to_products()))[0] > 0.0
     assert max(abs(load.inertia[0, 1]) for load in loads) > 0.0
+
+
+@pytest.mark.parametrize('name', SHAPES)
+def test_random_loads_are_as_long_as_their_shape_says(monkeypatch, name):
+    monkeypatch.setattr(random_loads, 'SHAPES', {name: SHAPES[name]})
+    robot, rng = four_axes(), np.random.default_rng(3)
+    loads = [random_load(rng, robot, empty=0.0) for _ in range(300)]
+    moments = np.array([np.linalg.eigvalsh(load.inertia) / load.mass for load in loads])
+    (shortest, longest), share = SHAPES[name]
+    # Of every axis the mean square of what lies along it.
+    along = 0.5 * moments.sum(axis=1)[:, None] - moments
+    half = np.sqrt(along / share) / (robot.rated_load.mass / 12.5) ** (1.0 / 3.0)
+    assert shortest - 1e-9 < half.min() < 1.2 * shortest and 0.97 * longest < half.max() \
+        < longest + 1e-9
 
 
 @pytest.mark.parametrize('maker', [random_moves, random_waves, random_motion])

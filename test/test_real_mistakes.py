@@ -62,7 +62,6 @@ def mistakes(n):
         yield f'all of {j}', ANGLES + EFFORT, lambda values, order=order: values[:, order]
 
 
-# Wrists 2 and 3 of a UR are nearly alike: exchanged they pass.
 @pytest.mark.parametrize('name', ['ur10e', 'panda'])
 def test_mistakes_with_real_arms_are_refused(name, tmp_path_factory):
     if not (DATA / name).is_dir():

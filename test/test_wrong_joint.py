@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
-from core_helpers import block, four_axes
+from core_helpers import block, exact_model, four_axes
+from effect_helpers import waves
 import numpy as np
 import pytest
 from residual_helpers import cable, constant_friction, declared_model, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.doubts.another_robot import refuse_another_robot
 from hand_load_estimator.residual.doubts.wrong_joint import wrong_joint
 
@@ -114,3 +116,35 @@ def test_the_wrong_one_among_good_recordings_is_named():
     torque[:, 1] *= -1.0
     with pytest.raises(RecordingError, match='^run 2: .*effort of j1 has the other sign'):
         refuse_another_robot(declared_model(), [*runs[:2], replace(runs[2], torque=torque)])
+
+
+def of_alike_wrists(change=lambda motion: 0.0):
+    """Return a run (Evidence) of an arm whose wrists 2 and 3 are alike, with torques added."""
+    model, rng = exact_model('ur10e', doubt=0.01), np.random.default_rng(3)
+    motion = waves(model.robot, rng, 16.0, 25.0)
+    torque = model.torques(motion.q, motion.v, motion.a, motion.temperature) + change(motion)
+    return Evidence('run', motion, torque + rng.normal(size=torque.shape) * model.noise)
+
+
+def test_wrists_that_are_alike_are_named_where_they_are_exchanged():
+    """Though no joint is far off: what is left is a few times its noise."""
+    model, run, order = exact_model('ur10e', doubt=0.01), of_alike_wrists(), [0, 1, 2, 3, 5, 4]
+    names = ('q', 'v', 'a', 'temperature', 'effort')
+    exchanged = replace(run, torque=run.torque[:, order], motion=replace(run.motion, **{
+        name: getattr(run.motion, name)[:, order] for name in names}))
+    assert wrong_joint(model, [run]) == ''
+    assert 'wrist_2_joint and wrist_3_joint are exchanged' in wrong_joint(model, [exchanged])
+
+
+@pytest.mark.parametrize('joint', [4, 5])
+@pytest.mark.parametrize('times', [-8.0, -6.0, 6.0, 8.0])
+@pytest.mark.parametrize('kind', [lambda m: np.sign(m.v), lambda m: np.ones_like(m.v),
+                                  lambda m: m.v, lambda m: m.a])
+def test_what_one_of_two_alike_wrists_has_is_no_exchange(joint, times, kind):
+    model = exact_model('ur10e', doubt=0.01)
+
+    def change(motion):
+        own = kind(motion)[:, joint]
+        return np.outer(times * model.noise[joint] * own / np.sqrt(np.mean(own ** 2)),
+                        np.eye(6)[joint])
+    assert wrong_joint(model, [of_alike_wrists(change)]) == ''

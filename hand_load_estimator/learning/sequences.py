@@ -33,7 +33,7 @@ VELOCITY_NOISE = (1e-4, 3e-3)   # [rad/s] at RATE: what drivers report differs t
 NOISE_BANDWIDTH = BANDWIDTH * 3.0 / 16.0        # [Hz] two-sided, of the estimator's filter
 # Identification states what it found on data left out, colder or warmer than the rest: mostly
 # more than a run shows, each joint by its own. Powers of ten by which stated densities exceed
-# actual ones (development arms: 1.1 to 1.5 times in the median of a joint).
+# actual ones (simulated development arms: 1.1 to 1.5 times in the median of a joint).
 OVERSTATED = (-0.1, 0.5)
 SLOW_MEMORY = 0.5                               # [s] typical of slow residuals
 

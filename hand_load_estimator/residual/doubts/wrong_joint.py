@@ -159,6 +159,8 @@ def _mistake(model, rows, odd):
     tried = _exchanges(model.robot.joints) + (_signs(model.robot.joints) if odd else [])
     errors, words = min(((_errors(model, *rows.torques(**how)), words)
                          for how, words in tried), key=lambda pair: pair[0].sum())
+    # An error that has only gone to the other joint is not undone.
+    erring |= errors > 1.0
     undone = (errors[erring].sum() < UNDONE * told[erring].sum()
               and errors.sum() < FITS * len(told))
     return words if undone else ''

@@ -48,12 +48,13 @@ def findings_again(robot, names, shown, better, odd=()):
         if id(one) in same:
             found = same[id(one)]
             findings.append(_finding(robot, names, cleaner, found, odd))
-            if len(set(names)) == 1 and not found.cause.kind.open_ended \
-                    and None in (found.start, found.end):
+            endless = ' or '.join(word for word, moment in (
+                ('begin', found.start), ('end', found.end)) if moment is None)
+            if len(names) == 1 and endless and not found.cause.kind.open_ended:
                 findings[-1] = replace(findings[-1], verdict=SUSPECTED)
                 told.append(f'{findings[-1].recording}: {findings[-1].name}{at(found)} is only '
-                            f'suspected: it does not {"end" if found.start else "begin"} within '
-                            'the only recording, so it may be another offset of these joints')
+                            f'suspected: it does not {endless} within the only recording '
+                            'diagnosed, so it may be another offset of these joints')
             continue
         findings.append(_finding(robot, names, residual, one, odd))
         # Of an arm that is held nothing is foretold (standing.py).

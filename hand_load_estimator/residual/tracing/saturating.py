@@ -12,8 +12,8 @@ from ..diagnosis import UNKNOWN
 from .plain_functions import TORQUES
 
 GAIN = 'torque_scale'
-# A function of torque that moves more than this share of what the gain does speaks against it; a
-# tanh leaves a third or more.
+# A function of torque whose bend moves more than this share of what the gain does speaks against
+# it: a tanh has a quarter or more, and less only where the torque never changes its sign.
 SATURATES = 0.2
 
 
@@ -30,5 +30,21 @@ def saturates(candidate, steps, n):
     gain = gain_beside(candidate, steps)
     if gain is None:
         return False
-    moved, by_gain = (np.linalg.norm(c.torque(n)[:, candidate.joints]) for c in (candidate, gain))
-    return bool(moved > SATURATES * by_gain)
+    j, = candidate.joints
+    function, linear = (c.torque(n)[:, j] for c in (candidate, gain))
+    # Beside the gain a function has some of its slope: only what is no gain speaks against one.
+    bend = function - linear * (linear @ function) / (linear @ linear)
+    return bool(np.linalg.norm(bend) > SATURATES * np.linalg.norm(linear))
+
+
+def saturating(steps, n):
+    """Return the indices of the joints whose gain an `unknown` among Steps speaks against."""
+    return {step.chosen.joints[0] for step in steps
+            if step.chosen.name == UNKNOWN and saturates(step.chosen, steps, n)}
+
+
+def gains_in_doubt(steps, joints):
+    """Return a sentence on every joint (of names) whose gain among Steps is only suspected."""
+    return tuple(f'{joints[j]}: {GAIN} is only suspected, because a function of torque tells more: '
+                 'the drive, or its reported effort, saturates' for j in sorted(
+                     saturating(steps, len(joints))))

@@ -20,7 +20,7 @@ from .found import Found
 from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
-from .saturating import gain_beside, saturates
+from .saturating import GAIN, gain_beside, saturating
 from .superseded import take_back
 from .together import Together
 
@@ -124,9 +124,21 @@ class Trace:
                     self._found.drop(shown)
                     continue
             kept += 1
+        self._part_gains()
         self._found.weigh_again()
         # What was dropped must not count as explained.
         self.blocks = self._found.blocks()
+
+    def _part_gains(self):
+        """Make a gain of several joints two steps where some of them saturate."""
+        odd = saturating(self.steps, self._model.robot.n)
+        for step in [s for s in self.steps if s.chosen.name == GAIN and not s.chosen.common]:
+            parts = [[pair for pair in step.chosen.parts if (pair[0].joint in odd) == which]
+                     for which in (False, True)]
+            if all(parts):
+                own, other = (replace(step, chosen=joined(GAIN, tuple(p))) for p in parts)
+                self._found.put(own, step)
+                self._found.add(other)
 
     def still_gains(self, step):
         """Return the Candidate of a step against all other steps as they are without it."""
@@ -157,12 +169,11 @@ class Trace:
         for step in self.steps:
             if step.chosen.name == UNKNOWN:
                 found |= {j for j in step.chosen.joints
-                          if step.chosen.gain >= REST * self._named(j)
-                          or saturates(step.chosen, self.steps, self._model.robot.n)}
-        return tuple(sorted(found))
+                          if step.chosen.gain >= REST * self._named(j)}
+        return tuple(sorted(found | saturating(self.steps, self._model.robot.n)))
 
-    def _nameless(self, candidate):
-        """Tell whether a candidate is any `unknown` but one that a gain should explain."""
+    def _has_no_rival(self, candidate):
+        """Tell whether a candidate is an `unknown`, and of no torque that a gain should tell."""
         return candidate.name == UNKNOWN and gain_beside(candidate, self.steps) is None
 
     def _named(self, joint):
@@ -186,7 +197,7 @@ class Trace:
         """Tell whether a candidate's torque is worth a place in a model."""
         torque = candidate.torque(self._model.robot.n)
         times = np.sqrt(np.mean(torque ** 2, axis=0)) / self.residual.noise
-        least = UNKNOWN_RMS if self._nameless(candidate) else LEAST_RMS
+        least = UNKNOWN_RMS if self._has_no_rival(candidate) else LEAST_RMS
         # What joints have in common they show together.
         return bool((np.linalg.norm(times) if candidate.common else times.max()) >= least)
 
@@ -201,7 +212,7 @@ class Trace:
             if best.gain < needed:
                 return ()
             if not significant(best) or not self.matters(best) or (
-                    self._nameless(best) and best.gain < UNKNOWN_FACTOR * needed):
+                    self._has_no_rival(best) and best.gain < UNKNOWN_FACTOR * needed):
                 continue
             step = self._step(best, ranked, needed)
             return self._two_instead(step.chosen, needed) or (step,)
@@ -251,10 +262,10 @@ class Trace:
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
-        explained = {j: max((self._share(c, j) for c in named if j in c.touched), default=0.0)
-                     for j in best}
+        explained = {j: max((self._share(c, j) for c in named
+                             if j in c.touched and significant(c)), default=0.0) for j in best}
         orphans = [c for j, c in best.items() if c is not None
-                   and explained[j] < (ADEQUATE if self._nameless(c) else 1.0) * c.gain]
+                   and explained[j] < (ADEQUATE if self._has_no_rival(c) else 1.0) * c.gain]
         return adequate + orphans
 
     def _of_the_arm(self, pairs, others):
