@@ -16,8 +16,8 @@ class Truth:
 
     links: n pseudo-inertias (4, 4) in the joint frames; rotor (n,) [kg m^2]; gravity (3,);
     friction; noise (n,) [Nm]; constants (n,) [Nm/A or 1]; effort_gain, effort_gain_slope [1/K],
-    effort_bend [1/Nm] (tanh(bend x torque) / bend is reported), effort_offset [Nm], effort_delay [s]
-    (n,); joint_torques, forces: what acts beside these; held:
+    effort_bend [1/Nm] (what is reported is tanh(bend x torque) / bend), effort_offset [Nm],
+    effort_delay [s] (n,); joint_torques, forces: what acts beside these; held:
     what hangs on the hand for a time beside the plant's load.
     """
 

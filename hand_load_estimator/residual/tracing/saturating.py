@@ -45,6 +45,6 @@ def saturating(steps, n):
 
 def gains_in_doubt(steps, joints):
     """Return a sentence on every joint (of names) whose gain among Steps is only suspected."""
-    return tuple(f'{joints[j]}: {GAIN} is only suspected, because a function of torque tells more: '
-                 'the drive, or its reported effort, saturates' for j in sorted(
-                     saturating(steps, len(joints))))
+    return tuple(f'{joints[j]}: {GAIN} is only suspected, because a function of torque tells '
+                 'more: the drive, or its reported effort, saturates'
+                 for j in sorted(saturating(steps, len(joints))))

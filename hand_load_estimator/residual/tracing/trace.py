@@ -20,6 +20,7 @@ from .found import Found
 from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
+from .plain_functions import TORQUES
 from .saturating import GAIN, gain_beside, saturating
 from .superseded import take_back
 from .together import Together
@@ -262,11 +263,15 @@ class Trace:
         best = {j: max((c for c in unknown if c.joints == [j]), key=lambda c: c.gain,
                        default=None) for j in range(self._model.robot.n)}
         adequate = [c for c in named if self._adequate(c, best)]
-        explained = {j: max((self._share(c, j) for c in named
-                             if j in c.touched and significant(c)), default=0.0) for j in best}
-        orphans = [c for j, c in best.items() if c is not None
-                   and explained[j] < (ADEQUATE if self._has_no_rival(c) else 1.0) * c.gain]
+        orphans = [c for j, c in best.items() if c is not None and self._explained(named, c, j)
+                   < (ADEQUATE if self._has_no_rival(c) else 1.0) * c.gain]
         return adequate + orphans
+
+    def _explained(self, named, unknown, joint):
+        """Return what the best of named candidates gains in an unknown one's place [nats]."""
+        # A gain is not sure where a drive saturates, and must not stand in the way of that.
+        return max((self._share(c, joint) for c in named if joint in c.touched and (
+            unknown.variable not in TORQUES or significant(c))), default=0.0)
 
     def _of_the_arm(self, pairs, others):
         """
