@@ -71,3 +71,13 @@ def test_mistakes_with_real_arms_are_refused(name, tmp_path_factory):
     found = {label: wrong_joint(model, [mistaken(runs[0], model, names, change)])
              for label, names, change in mistakes(model.robot.n)}
     assert [label for label, said in found.items() if not said] == []
+
+
+def test_wrists_nearly_alike_are_refused_exchanged_but_for_one_recording(tmp_path_factory):
+    if not (DATA / 'ur10e').is_dir():
+        pytest.skip(f'no recordings at {DATA}; set HAND_LOAD_DATA')
+    model, runs = arm('ur10e', str(tmp_path_factory.mktemp('ur10e')))
+    exchanged = {label: how for label, *how in mistakes(model.robot.n)}['all of 4']
+    passed = [run.name for run in runs
+              if not wrong_joint(model, [mistaken(run, model, *exchanged)])]
+    assert len(runs) == 5 and passed == ['valid_20_01_17-ptp_10_points']

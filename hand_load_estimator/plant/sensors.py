@@ -45,8 +45,9 @@ def saturated(torque, bend):
     """Return what is reported of torques (..., n) [Nm] by drives that end softly at 1 / bend."""
     if not np.count_nonzero(bend):
         return torque
-    small = np.maximum(bend, 1e-12)
-    return np.where(bend > 0.0, np.tanh(small * torque) / small, torque)
+    # None at all is one too small to tell.
+    bend = np.maximum(bend, 1e-12)
+    return np.tanh(bend * torque) / bend
 
 
 def _rounded(value, quantum):

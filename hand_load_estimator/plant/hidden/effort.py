@@ -82,8 +82,8 @@ class SaturatingDrive(HiddenEffect):
     linear = False
 
     def bounds(self, truth):
-        """Return bends of which nothing, and nearly all, of a torque as large as noise is lost."""
-        return 1e-3 / truth.noise / 100.0, 1.0 / truth.noise
+        """Return ends far beyond any torque, and as near as the noise is large."""
+        return 1e-5 / truth.noise, 1.0 / truth.noise
 
     def torque_along(self, motion, truth, p):
         """Return what is reported less the torque."""

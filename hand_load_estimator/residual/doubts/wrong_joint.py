@@ -150,7 +150,7 @@ def _mistake(model, rows, odd):
     Return in words what undone makes the recording fit the model, or ''.
 
     odd: whether a joint is. Of one that is not, an offset that changed its sign looks like an
-    angle that counts the other way; joints that are exchanged look like nothing else.
+    angle that counts the other way; little that an arm has looks like exchanged joints.
     """
     told = _errors(model, *rows.torques())
     erring = told > 1.0

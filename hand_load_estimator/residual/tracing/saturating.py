@@ -8,7 +8,7 @@ cable, friction or whatever follows torque by chance, though a plain function of
 
 import numpy as np
 
-from ..diagnosis import UNKNOWN
+from ..diagnosis import SUSPECTED, UNKNOWN
 from .plain_functions import TORQUES
 
 GAIN = 'torque_scale'
@@ -43,8 +43,10 @@ def saturating(steps, n):
             if step.chosen.name == UNKNOWN and saturates(step.chosen, steps, n)}
 
 
-def gains_in_doubt(steps, joints):
-    """Return a sentence on every joint (of names) whose gain among Steps is only suspected."""
-    return tuple(f'{joints[j]}: {GAIN} is only suspected, because a function of torque tells '
-                 'more: the drive, or its reported effort, saturates'
-                 for j in sorted(saturating(steps, len(joints))))
+def gains_in_doubt(findings, steps, joints):
+    """Return sentences on Findings of gains, suspected for what Steps tell; joints: names (n,)."""
+    odd = {joints[j] for j in saturating(steps, len(joints))}
+    return tuple(f'{", ".join(sorted(odd & set(finding.joints)))}: {GAIN} is only suspected, '
+                 'because a function of torque tells more: the drive, or its reported effort, '
+                 'saturates' for finding in findings if finding.name == GAIN
+                 and finding.verdict == SUSPECTED and odd & set(finding.joints))
