@@ -44,6 +44,9 @@ class Blocks:
         self.starts, self.folds = starts, folds
         self._groups = np.arange(len(starts)) if groups is None else groups
         self._ends = np.append(starts[1:], len(residual))
+        numbers, self._fold_of_blocks = np.unique(folds, return_inverse=True)
+        self._trains = np.ones((len(numbers) + 1, len(starts)))
+        self._trains[self._fold_of_blocks, np.arange(len(starts))] = 0.0
         self._joints = [self._joint(j) for j in range(residual.shape[1])]
 
     def add(self, columns):
@@ -84,29 +87,20 @@ class Blocks:
 
     def misfit(self, j):
         """Return the nats (G,) that held-out blocks of joint j are off by beside the nuisances."""
-        out = np.zeros(len(self.starts))
-        for fold in np.unique(self.folds):
-            test = self.folds == fold
-            out[test] = 0.5 * self._joints[j].squares(test, self._null(j, fold))
-        return np.bincount(self._groups, out)
+        return np.bincount(self._groups, 0.5 * self._left_by_nuisances(j))
 
     def evaluate(self, columns):
         """Return the Score of columns {joint: (N, k)}, in units of their prior's std."""
         sums = {j: self._cross(j, c) for j, c in columns.items()}
-        gains, by_joint = np.zeros(len(self.starts)), dict.fromkeys(columns, 0.0)
-        for fold in np.unique(self.folds):
-            train, test = self.folds != fold, self.folds == fold
-            theta, _, deltas = self._fit(sums, train)
-            for j, (cc, cd, cr) in sums.items():
-                own = self._joints[j]
-                gain = 0.5 * (own.squares(test, self._null(j, fold))
-                              - _squares(own, (cc, cd, cr), test, deltas[j], theta))
-                gains[test] += gain
-                by_joint[j] += gain.sum()
-        theta, covariance, _ = self._fit(sums, np.ones(len(self.starts), dtype=bool))
-        gains = np.bincount(self._groups, gains)
+        theta, covariance, deltas = self._fits(sums)
+        held_out, by_joint = theta[self._fold_of_blocks], {}
+        for j, own_sums in sums.items():
+            left = _squares(self._joints[j], own_sums, deltas[j][self._fold_of_blocks], held_out)
+            by_joint[j] = 0.5 * (self._left_by_nuisances(j) - left)
+        gains = np.bincount(self._groups, sum(by_joint.values()))
         std = np.sqrt(len(gains)) * gains.std()
-        return Score(gains.sum(), std, gains, theta, covariance, by_joint)
+        return Score(gains.sum(), std, gains, theta[-1], covariance[-1],
+                     {j: gain.sum() for j, gain in by_joint.items()})
 
     def _joint(self, j):
         d, w = self.nuisances[j], self.weights[:, j]
@@ -117,7 +111,7 @@ class Blocks:
             dd.append(wd.T @ d[a:b])
             dr.append(wd.T @ r[a:b])
             rr.append(float((w[a:b] * r[a:b]) @ r[a:b]))
-        return _Sums(np.array(dd), np.array(dr), np.array(rr), {})
+        return _Sums(np.array(dd), np.array(dr), np.array(rr))
 
     def _cross(self, j, columns):
         weighted = columns * self.weights[:, j, None]
@@ -126,48 +120,72 @@ class Blocks:
         sums = np.array([weighted[a:b].T @ right[a:b] for a, b in zip(self.starts, self._ends)])
         return sums[:, :, :k], sums[:, :, k:k + r], sums[:, :, k + r]
 
-    def _null(self, j, fold):
+    def _left_by_nuisances(self, j):
+        """Return the weighted squares (B,) that nuisances fitted without a block leave in it."""
         own = self._joints[j]
-        if fold not in own.null:
-            train = self.folds != fold
-            own.null[fold] = np.linalg.solve(
-                own.dd[train].sum(axis=0) + np.eye(own.dd.shape[1]), own.dr[train].sum(axis=0))
-        return own.null[fold]
+        if own.left is None:
+            delta = np.linalg.solve(self._trained(own), self._over_trains(own.dr)[..., None])
+            own.left = own.squares(delta[self._fold_of_blocks, :, 0])
+        return own.left
 
-    def _fit(self, sums, train):
+    def _trained(self, own):
+        """Return the normal matrices (F + 1, R, R) of _Sums' nuisances, as of _over_trains."""
+        if own.trained is None:
+            own.trained = self._over_trains(own.dd) + np.eye(own.dd.shape[1])
+        return own.trained
+
+    def _over_trains(self, sums):
+        """Return sums (B, ...) over all blocks but those of a fold, and over all: (F + 1, ...)."""
+        return np.tensordot(self._trains, sums, axes=1)
+
+    def _fits(self, sums):
+        """
+        Return theta (F + 1, k), its covariances and nuisances {joint: (F + 1, R)} beside it.
+
+        Fitted without each fold, and at last to all blocks.
+        """
         k = next(iter(sums.values()))[2].shape[1]
-        matrix, vector, solved = np.eye(k), np.zeros(k), {}
+        matrix, vector, solved = np.eye(k), 0.0, {}
         for j, (cc, cd, cr) in sums.items():
-            own = self._joints[j]
-            dd = own.dd[train].sum(axis=0) + np.eye(own.dd.shape[1])
-            cross = cd[train].sum(axis=0)
-            both = np.linalg.solve(dd, np.column_stack([cross.T, own.dr[train].sum(axis=0)]))
-            matrix += cc[train].sum(axis=0) - cross @ both[:, :k]
-            vector += cr[train].sum(axis=0) - cross @ both[:, k]
-            solved[j] = both
+            own, cross = self._joints[j], self._over_trains(cd)
+            right = np.concatenate(
+                [np.swapaxes(cross, 1, 2), self._over_trains(own.dr)[..., None]], axis=2)
+            solved[j] = both = np.linalg.solve(self._trained(own), right)
+            told = cross @ both
+            matrix = matrix + self._over_trains(cc) - told[:, :, :k]
+            vector = vector + self._over_trains(cr) - told[:, :, k]
         covariance = np.linalg.inv(matrix)
-        theta = covariance @ vector
-        return theta, covariance, {j: both[:, k] - both[:, :k] @ theta
+        theta = _times(covariance, vector)
+        return theta, covariance, {j: both[:, :, k] - _times(both[:, :, :k], theta)
                                    for j, both in solved.items()}
 
 
 @dataclass
 class _Sums:
-    """Sums of one joint per block: dd (B, R, R), dr (B, R), rr (B,); null fits per fold."""
+    """
+    Sums of one joint per block: dd (B, R, R), dr (B, R), rr (B,).
+
+    trained, left: what _trained and _left_by_nuisances made of them, once it was asked for.
+    """
 
     dd: np.ndarray
     dr: np.ndarray
     rr: np.ndarray
-    null: dict
+    trained: np.ndarray | None = None
+    left: np.ndarray | None = None
 
-    def squares(self, blocks, delta):
-        """Return the weighted squared residual of some blocks after nuisances delta."""
-        return (self.rr[blocks] - 2.0 * self.dr[blocks] @ delta
-                + np.einsum('i,bij,j->b', delta, self.dd[blocks], delta))
+    def squares(self, delta):
+        """Return the weighted squared residual (B,) after nuisances delta (B, R)."""
+        return self.rr + ((_times(self.dd, delta) - 2.0 * self.dr) * delta).sum(axis=1)
 
 
-def _squares(own, sums, blocks, delta, theta):
-    cc, cd, cr = (part[blocks] for part in sums)
-    return (own.squares(blocks, delta) - 2.0 * cr @ theta
-            + 2.0 * np.einsum('i,bij,j->b', theta, cd, delta)
-            + np.einsum('i,bij,j->b', theta, cc, theta))
+def _times(matrices, vectors):
+    """Return matrices (..., a, b) times vectors (..., b)."""
+    return (matrices @ vectors[..., None])[..., 0]
+
+
+def _squares(own, sums, delta, theta):
+    """Return the weighted squared residual (B,) after nuisances delta (B, R), theta (B, k)."""
+    cc, cd, cr = sums
+    told = _times(cc, theta) + 2.0 * (_times(cd, delta) - cr)
+    return own.squares(delta) + (told * theta).sum(axis=1)
