@@ -15,14 +15,15 @@ from hand_load_estimator.torque.columns import EffectUse, parameter_count, torqu
 from hand_load_estimator.torque.model_file import model_content, read_model, write_model
 from hand_load_estimator.torque_model import Residuals, TorqueModel, uncertain_directions
 
+SHORT = ('rotor_inertia', 'coulomb_friction', 'stribeck_friction', 'base_tilt', 'torque_ripple')
 
-@pytest.fixture(scope='module')
-def model():
-    """Return a model with every effect, correlations and uncommon numbers."""
+
+def made_up(names):
+    """Return a model with effects of these names, correlations and uncommon numbers."""
     robot, rng = four_axes(), np.random.default_rng(1)
     uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j % len(s.grid)] if s.grid else 50.0 + j
                                        for s in e.shapes})
-                 for j in range(robot.n) for e in EFFECTS.values() if not (e.whole_arm and j))
+                 for j in range(robot.n) for e in map(EFFECTS.get, names) if not (e.whole_arm and j))
     size = parameter_count(robot.n, uses)
     mean = rng.normal(size=size) * 10.0 ** rng.uniform(-4, 1, size)
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]
@@ -33,9 +34,32 @@ def model():
         (14.5, 51.0), '2026-03-01T14:30:00+01:00')
 
 
+@pytest.fixture(scope='module')
+def model():
+    return made_up(EFFECTS)
+
+
+@pytest.fixture(scope='module')
+def file(model, tmp_path_factory):
+    path = tmp_path_factory.mktemp('written') / 'model.yaml'
+    write_model(path, model)
+    return path
+
+
+@pytest.fixture(scope='module')
+def back(file):
+    return read_model(file)
+
+
+@pytest.fixture(scope='module')
+def short():
+    """Return a model whose file is soon read: with every effect it has 120000 numbers."""
+    return made_up(SHORT)
+
+
 @pytest.fixture
-def content(model):
-    return copy.deepcopy(model_content(model))
+def content(short):
+    return copy.deepcopy(model_content(short))
 
 
 def written(tmp_path, content):
@@ -52,9 +76,7 @@ def columns_of(model, count=50):
         rng.uniform(-10, 25, shape), rng.uniform(-1, 1, shape)), model.mean, np.full(50, 0.02))
 
 
-def test_round_trip(model, tmp_path):
-    write_model(tmp_path / 'model.yaml', model)
-    back = read_model(tmp_path / 'model.yaml')
+def test_round_trip(model, back):
     np.testing.assert_allclose(back.mean, model.mean, rtol=1e-7)
     assert back.uses == model.uses and back.links_declared == model.links_declared
     assert back.recordings == model.recordings and back.temperatures == model.temperatures
@@ -66,9 +88,8 @@ def test_round_trip(model, tmp_path):
     assert back.robot.joints == model.robot.joints
 
 
-def test_the_covariance_does_the_same_to_the_torque(model, tmp_path):
-    write_model(tmp_path / 'model.yaml', model)
-    back, y = read_model(tmp_path / 'model.yaml'), columns_of(model)
+def test_the_covariance_does_the_same_to_the_torque(model, back):
+    y = columns_of(model)
     before, after = (np.einsum('knp,pq,knq->kn', y, m.covariance, y) for m in (model, back))
     np.testing.assert_allclose(after, before, rtol=1e-4)
     assert np.linalg.eigvalsh(back.covariance)[0] > -1e-9 * np.linalg.eigvalsh(
@@ -77,22 +98,21 @@ def test_the_covariance_does_the_same_to_the_torque(model, tmp_path):
     assert spread[1] == pytest.approx(spread[0], rel=1e-3)
 
 
-def test_writing_what_was_read_changes_nothing(model, tmp_path):
-    write_model(tmp_path / 'one.yaml', model)
-    write_model(tmp_path / 'two.yaml', read_model(tmp_path / 'one.yaml'))
-    assert (tmp_path / 'one.yaml').read_text() == (tmp_path / 'two.yaml').read_text()
+def test_writing_what_was_read_changes_nothing(file, back, tmp_path):
+    write_model(tmp_path / 'again.yaml', back)
+    assert (tmp_path / 'again.yaml').read_text() == file.read_text()
 
 
-def test_a_file_from_before_diagnoses_were_dated_still_loads(model, content, tmp_path):
+def test_a_file_from_before_diagnoses_were_dated_still_loads(short, content, tmp_path):
     del content['diagnosed'], content['residual']['sliding_residual']
     back = read_model(written(tmp_path, content))
     assert back.diagnosed is None and back.residuals.sliding is None
-    np.testing.assert_allclose(back.mean, model.mean, rtol=1e-7)
+    np.testing.assert_allclose(back.mean, short.mean, rtol=1e-7)
     again = model_content(back)
     assert again['diagnosed'] is None and 'sliding_residual' not in again['residual']
 
 
-def test_a_file_from_before_the_load_share_takes_variances_in_full(model, content, tmp_path):
+def test_a_file_from_before_the_load_share_takes_variances_in_full(content, tmp_path):
     del content['residual']['load_share']
     residuals = read_model(written(tmp_path, content)).residuals
     assert residuals.load_share == 1.0
@@ -118,24 +138,24 @@ def test_a_model_moves_without_its_robot_file(tmp_path):
     np.testing.assert_allclose(back.torque(q, q, q), moved.torque(q, q, q), rtol=1e-6)
 
 
-def test_a_mean_and_a_std_edited_by_hand_take_effect_and_nothing_else(model, content, tmp_path):
+def test_a_mean_and_a_std_edited_by_hand_take_effect_and_nothing_else(short, content, tmp_path):
     entry = content['effects'][3]
-    use, where = model.slices()[3]
+    use, where = short.slices()[3]
     parameter = entry['parameters'][use.effect.parameters[0][0]]
     parameter['mean'], parameter['std'] = 12.5, 0.75
     content['links']['j2']['mz']['mean'] = 0.125
     back, place = read_model(written(tmp_path, content)), where.start
-    changed = model.mean.copy()
+    changed = short.mean.copy()
     changed[place] = 12.5
     changed[20 + PRODUCT_ORDER.index('mz')] = 0.125
     np.testing.assert_allclose(back.mean, changed, rtol=1e-7)
-    std = np.sqrt(np.diag(model.covariance))
+    std = np.sqrt(np.diag(short.covariance))
     std[place] = 0.75
     np.testing.assert_allclose(np.sqrt(np.diag(back.covariance)), std, rtol=1e-5)
     scale = np.sqrt(np.diag(back.covariance))
-    before = np.sqrt(np.diag(model.covariance))
+    before = np.sqrt(np.diag(short.covariance))
     np.testing.assert_allclose(back.covariance / np.outer(scale, scale),
-                               model.covariance / np.outer(before, before), atol=1e-5)
+                               short.covariance / np.outer(before, before), atol=1e-5)
 
 
 def test_an_effect_for_several_joints_is_one_for_each(content, tmp_path):
