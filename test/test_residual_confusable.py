@@ -1,5 +1,7 @@
 """Effects that look alike: known pairs, the motion that tells them apart, and where none does."""
 
+from pathlib import Path
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -42,6 +44,15 @@ def test_advice_says_so_where_no_motion_is_known():
     assert 'in several poses' in advice('cable_drag', ['base_tilt'])
     # Its own name on other joints is no effect to be told from.
     assert advice('cable_drag', ['cable_drag']) == ''
+
+
+def test_what_is_left_open_on_measured_arms_has_a_motion():
+    page = Path(__file__).parents[1] / 'doc' / 'benchmark' / 'real-diagnosis.md'
+    groups = [re.findall('`(.*?)`', group) for group in
+              re.findall('(`[a-z_]+`(?: or `[a-z_]+`)+)', page.read_text('utf-8'))]
+    assert len(groups) > 3
+    for name, *others in groups:
+        assert NO_KNOWN_MOTION not in advice(name, others)
 
 
 def test_effects_of_the_same_torque_are_told():

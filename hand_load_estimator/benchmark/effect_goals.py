@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .effect_cases import BLIND, CLEAN
 from .share import share_text
 
 # Torque and mass error over those of the same plant without the effect; seconds of a diagnosis.
@@ -31,7 +32,11 @@ def verdicts(total):
             _share('contact or load change: named or kept out of the model', total['kept_out'],
                    100)]
     rows += [_clean('confirmed on clean plants', total['clean']),
-             _clean('the same where no temperature was recorded', total['blind'])]
+             _suspected('only suspected on them, and in the model all the same',
+                        total['suspected'][CLEAN]),
+             _clean('confirmed where nothing is hidden and no temperature was recorded',
+                    total['blind']),
+             _suspected('only suspected there, likewise', total['suspected'][BLIND])]
     confirmed, false = total['confirmed']
     rows.append(('false among all findings confirmed, any strength', 'told',
                  share_text(false, confirmed), None) if confirmed else None)
@@ -51,6 +56,16 @@ def _clean(what, counts):
     few = '' if clean >= CLEAN_SETS else ', too few to tell'
     return (what, f'<= 1 on {CLEAN_SETS}', f'{false} on {clean}{few}',
             false <= 1 and not few) if clean else None
+
+
+def _suspected(what, found):
+    """Return the row of effects suspected where nothing is hidden, with what they cost."""
+    if not found['of']:
+        return None
+    masses = ', '.join(f'{ratio:.2f} x at {moment}' for moment, ratio in found['mass'].items())
+    return (what, 'told', f'{found["count"]} in {found["sets"]} of {found["of"]}; torque error '
+            f'after over before, at its worst joint: median {np.median(found["torque"]):.2f} x, '
+            f'worst {max(found["torque"]):.2f} x; mass RMSE {masses}', None)
 
 
 def _share(what, counts, goal):

@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 
-from ..residual.diagnosis import CONFIRMED
+from ..residual.diagnosis import CONFIRMED, SUSPECTED
 from .effect_cases import (BLIND, CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SAME_JOINT,
                            SINGLE)
 from .effect_errors import MASS_MOMENTS
@@ -189,6 +189,8 @@ def totals(results):
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
         'clean': _found_in(_of_kind(measured(results), CLEAN)),
         'blind': _found_in(_of_kind(measured(results), BLIND)),
+        'suspected': {kind: _suspected_in(_of_kind(measured(results), kind))
+                      for kind in (CLEAN, BLIND)},
         'confirmed': _confirmed(measured(results)),
         'both_named': sum(judge(r)[0][0]['outcome'] == BOTH for r in effects),
         'false_beside': sum(len(judge(r)[1]) for r in effects
@@ -207,6 +209,23 @@ def totals(results):
 def _found_in(results):
     """Return [sets in which nothing is hidden, effects confirmed in them]."""
     return [len(results), sum(len(judge(r)[1]) for r in results)]
+
+
+def _suspected_in(results):
+    """
+    Return what sets in which nothing is hidden have of effects only suspected, and its price.
+
+    count, sets: of such findings, and with any of them; torque: of each set, RMSE after over
+    before at the joint where that is largest; mass {moment: likewise, all runs together}.
+    """
+    counts = [sum(f['verdict'] == SUSPECTED for f in r['findings']) for r in results]
+    ratios = [np.max(np.array(r['torque']['after']) / np.array(r['torque']['before']))
+              for r in results]
+    return {'count': sum(counts), 'sets': sum(map(bool, counts)), 'of': len(results),
+            'torque': [float(ratio) for ratio in ratios],
+            'mass': {moment: mass_ratio(results, 'after', moment)
+                     / mass_ratio(results, 'before', moment) for moment in MASS_MOMENTS}
+            if results else {}}
 
 
 def _confirmed(results):

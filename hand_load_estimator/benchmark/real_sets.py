@@ -13,11 +13,10 @@ from ..recording import JointSample, read_recording, RecordingWriter
 TRAIN_SHARE = 0.7
 # An arm none of whose joints is faster stands [rad/s].
 MOVING = 0.02
-# What every model starts from; the diagnosis has to find the rest. Sensors behind the gear see dry
-# friction all the same (of the link's bearings and seals, and their own hysteresis: without it the
-# error doubles), but neither the grease of gear and motor nor the rotor.
-BASE_EFFECTS = ('link_inertia', 'coulomb_friction', 'torque_offset')
-BEFORE_THE_SENSOR = ('viscous_friction', 'rotor_inertia')
+# What every model starts from; the diagnosis has to find the rest. Sensors behind the gear see
+# friction all the same (of the link's bearings and seals, and their own hysteresis), but no rotor.
+BASE_EFFECTS = ('link_inertia', 'coulomb_friction', 'viscous_friction', 'torque_offset')
+BEFORE_THE_SENSOR = ('rotor_inertia',)
 
 
 @dataclass(frozen=True)

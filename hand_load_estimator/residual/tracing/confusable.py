@@ -109,6 +109,20 @@ PAIRS = {
     frozenset({'rotor_inertia', 'time_delay'}):
         'accelerate hard at high and at low speed: a delay follows the torque\'s rate, a rotor '
         'the acceleration'}
+# Of causes so unlike that one is never taken for a change of the other, but that a single short
+# recording may leave open.
+_UNLIKE = {
+    **{frozenset({'time_delay', name}): (
+        'move along the same path at two speeds: a delay asks for more torque the faster the '
+        'torque changes, what follows position stays the same')
+       for name in ('gravity_spring', 'cable_drag', 'torque_ripple', 'base_tilt')},
+    frozenset({'presliding_hysteresis', 'time_delay'}):
+        'reverse the joint slowly and quickly over the same path: friction turns over the same '
+        'way, a delay lasts the same time',
+    frozenset({'presliding_hysteresis', 'torque_ripple'}):
+        'move the joint on at constant speed after a reversal: friction has turned once, a ripple '
+        'goes on'}
+_MOTIONS = {**PAIRS, **_UNLIKE}
 
 
 def partners(name):
@@ -119,8 +133,8 @@ def partners(name):
 def advice(name, others):
     """Return the motions (a sentence each) that separate an effect from others, and if none is."""
     others = [other for other in dict.fromkeys(others) if other != name]
-    found = [PAIRS[pair] for other in others if (pair := frozenset({name, other})) in PAIRS]
-    without = [other for other in others if frozenset({name, other}) not in PAIRS]
+    found = [_MOTIONS[pair] for other in others if (pair := frozenset({name, other})) in _MOTIONS]
+    without = [other for other in others if frozenset({name, other}) not in _MOTIONS]
     if without:
         found.append(f'{NO_KNOWN_MOTION} {", ".join(without)}')
     return '; '.join(dict.fromkeys(found))
