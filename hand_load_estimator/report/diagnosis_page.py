@@ -150,8 +150,8 @@ def _errors(diagnosis):
                       'unex&shy;plained'], rows)
         + '<p class="quiet">Before and after: root mean square of measured less modelled torque '
         'while the joint surely slides; what it does at rest and while friction turns after a '
-        'reversal is in neither. Unexplained: share of the remaining error\'s variance that no effect explains and that '
-        'is no noise. The smaller figure is what still resembles itself 0.1 to 0.5 s later, which '
+        'reversal is in neither. Unexplained: share of the remaining error\'s variance that no '
+        'effect explains and that is no noise. The smaller figure is what still resembles itself 0.1 to 0.5 s later, which '
         'neither noise of torque nor of acceleration does behind the motion filter; the larger '
         'one is all but white noise as large as samples differ from one to the next. Noise: the '
         'rest, so that structure or vibration as quick as noise counts as noise at its larger '
