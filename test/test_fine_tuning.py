@@ -145,6 +145,16 @@ def test_the_card_says_whether_there_were_temperatures(folder, tmp_path, beside)
         assert card['temperatures'] is expected
 
 
+def test_without_start_and_pass_the_regression_alone_is_calibrated(folder, tmp_path):
+    recipe = Recipe(sequences=2, calibration=4, validation=2, passes=0, hidden=HIDDEN)
+    scores = train(folder / 'model.yaml', tmp_path, recipe, 'cpu', lambda text: None)
+    assert scores['mass_rmse_kg_lstm'] == scores['mass_rmse_kg_without_network']
+    artefact = read_artefact(tmp_path, exact_model('four').robot)
+    assert not any(artefact.weights[f'{head}.{part}'].any() for head in ('joint_head', 'load_head')
+                   for part in ('weight', 'bias'))
+    assert np.unique(artefact.calibration).size > 1
+
+
 def test_fine_tuning_sees_draws_that_training_did_not():
     assert Recipe().sequences + FINE_TUNING.sequences <= len(seeds.TRAINING)
     assert FINE_TUNING.sequences <= 0.25 * Recipe().sequences
@@ -176,7 +186,8 @@ def test_a_network_of_another_kind_is_refused(folder, tmp_path):
 @pytest.mark.parametrize('arguments, word', [
     (['--start-from', 'nowhere'], 'nowhere'),
     (['--start-from', 'first', '--network', 'gru'], '--start-from'),
-    (['--start-from', 'first', '--passes', '-1'], '--passes'), (['--passes', '0'], '--passes')])
+    (['--start-from', 'first', '--passes', '-1'], '--passes'), (['--passes', '-1'], '--passes'),
+    (['--network', 'gru', '--passes', '0'], '--passes')])
 def test_wrong_arguments_end_with_two(folder, tmp_path, capsys, monkeypatch, arguments, word):
     monkeypatch.chdir(folder)
     assert main(['train', '--model', 'model.yaml', '--out', str(tmp_path / 'out'),

@@ -50,8 +50,10 @@ def add_arguments(parser):
                         help='training sequences of 10 s (default 6400, to fine-tune 1216; 2048 '
                              'for the others)')
     parser.add_argument('--passes', type=int, default=None, metavar='N',
-                        help='passes over them (default 9, to fine-tune 3, where 0 keeps the '
-                             'weights and calibrates anew; 60 for the others)')
+                        help='passes over them (default 9, to fine-tune 3; 0 calibrates anew and '
+                             'nothing else: the weights of --start-from or, without, the '
+                             'regression alone, whose network then says nothing; 60 for the '
+                             'others, at least 1)')
 
 
 def _names(text):
@@ -60,7 +62,7 @@ def _names(text):
 
 def run(args):
     """Train; progress goes to standard output."""
-    for name, least in (('sequences', 1), ('passes', 0 if args.start_from else 1)):
+    for name, least in (('sequences', 1), ('passes', 0 if args.network == 'lstm' else 1)):
         value = getattr(args, name)
         if value is not None and value < least:
             raise ConfigurationError(f'--{name}', 'is not usable', value, f'at least {least}')
