@@ -195,7 +195,7 @@ def test_e2_7_the_swarm_is_loaded_before_the_arm_moves(folder):
     assert done.stdout.split()[-1] == 'True'
 
 
-def test_the_command_learns_and_estimates(tmp_path, capsys):
+def test_e2_5_the_command_learns_with_a_known_load_and_estimates(tmp_path, capsys):
     write_model(tmp_path / 'model.yaml', model())
     write_load_file(tmp_path / 'known.yaml', block(1.0))
     for run, load in (('known', block(1.0)), ('run', LOAD)):
@@ -204,7 +204,7 @@ def test_the_command_learns_and_estimates(tmp_path, capsys):
                 writer.write(sample)
     paths = {name: str(tmp_path / name) for name in ('known', 'run', 'out', 'model.yaml')}
     learn = ['learn-gp', paths['known'], '--model', paths['model.yaml'], '--out', paths['out']]
-    # E2.5: what is carried while learning must be told.
+    # What is carried while learning must be told.
     assert main(learn) == 2 and '--load' in capsys.readouterr().err
     assert main([*learn, '--load', str(tmp_path / 'known.yaml'), '--inputs', 'velocity']) == 0
     out = str(tmp_path / 'e.json')
