@@ -9,7 +9,7 @@ from ..estimators.build import shipped_artefact
 from ..files.shared_files import find_shared
 from ..learning.artefact import CARD, WEIGHTS
 from ..robot import load_robot
-from . import pushes, suggestion
+from . import ageing, pushes, suggestion
 from .arms import ARMS, friction_told, urdf_of, write_arm
 from .change_scores import change_scores
 from .changes import change_jobs, CHANGES, measure_job
@@ -39,11 +39,12 @@ from .suites import cases_of, recorded_words, SUITES
 SCHEMA = 'hand_load/benchmark/1'
 # Suites that are no accuracy suite on one simulated arm.
 ARM_SUITES = tuple(f'arms-{name}' for name in ARMS)
-OTHERS = ('changes', 'suggestion', 'pushes', 'real', 'cost', 'soak', 'retraining')
-# `all` is everything the goals need; `development` is for looking, `effects` and `retraining`
-# judge diagnosis and what follows from it.
+OTHERS = ('changes', 'suggestion', 'pushes', 'real', 'cost', 'soak', 'retraining', 'ageing')
+_OF_DIAGNOSIS = ('retraining', 'ageing')
+# `all` is everything the goals need; `development` is for looking, `effects` and _OF_DIAGNOSIS
+# judge diagnosis and what goes with it.
 ALL = (*(name for name in SUITES if name != 'development'), *ARM_SUITES,
-       *(name for name in OTHERS if name != 'retraining'))
+       *(name for name in OTHERS if name not in _OF_DIAGNOSIS))
 
 
 @dataclass(frozen=True)
@@ -176,6 +177,11 @@ def _other(name, robot_path, options, raw, write):
                                 options.methods, options.development)
         found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
         return pushes.push_scores(found), pushes.push_blocks
+    if name == 'ageing':
+        jobs = ageing.ageing_jobs(str(robot_path), options.cases, chosen_methods(
+            options.methods)[0], options.learned, options.development)
+        found = _some(measure_all(ageing.measure_ageing, jobs, raw, *run), raw)
+        return ageing.ageing_scores(found), ageing.ageing_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods, tuple(options.rivals))
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)

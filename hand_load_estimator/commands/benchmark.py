@@ -29,9 +29,10 @@ def add_arguments(parser):
                              'cold, warm, slow, fast, sparse (identified from little), '
                              'inertia, undeclared, arms, changes, suggestion (following '
                              'suggested motions), pushes (on the hand), real, cost, soak, '
-                             'retraining (the artefact beside a better model), or several of '
-                             'them with commas; all (but for retraining); or effects (diagnosis '
-                             'of undeclared effects; hours)')
+                             'retraining (the artefact beside a better model), ageing (what '
+                             '/diagnostics tells of an aged model), or several of them with '
+                             'commas; all (but for these two); or effects (diagnosis of '
+                             'undeclared effects; hours)')
     parser.add_argument('--robot', default='ur10e', metavar='R.yaml',
                         help='robot file (default: ur10e)')
     parser.add_argument('--learned', default=None, metavar='DIR',
@@ -39,7 +40,8 @@ def add_arguments(parser):
                              'shipped for the robot); not for real and effects')
     parser.add_argument('--cases', default=None, type=number(1, kind=int), metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
-                             'undeclared, 12 of suggestion, 8 of pushes, 40 of others); from '
+                             'undeclared, 12 of suggestion, 24 of pushes, all of ageing, 40 '
+                             'of others); from '
                              'more than its own on, an accuracy suite takes 50 plants, on '
                              'seeds that smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
