@@ -23,7 +23,8 @@ def made_up(names):
     robot, rng = four_axes(), np.random.default_rng(1)
     uses = tuple(EffectUse(e.name, j, {s.name: s.grid[j % len(s.grid)] if s.grid else 50.0 + j
                                        for s in e.shapes})
-                 for j in range(robot.n) for e in map(EFFECTS.get, names) if not (e.whole_arm and j))
+                 for j in range(robot.n) for e in map(EFFECTS.get, names)
+                 if not (e.whole_arm and j))
     size = parameter_count(robot.n, uses)
     mean = rng.normal(size=size) * 10.0 ** rng.uniform(-4, 1, size)
     root = rng.normal(size=(size, size)) * 10.0 ** rng.uniform(-6, -2, size)[:, None]

@@ -75,11 +75,11 @@ def ageing_jobs(robot_path, count, method, learned, development=False):
     """Return {label: arguments} of measure_ageing: `count` of all cases, None for all."""
     plants = seeds.DEVELOPMENT_PLANTS[50:] if development else seeds.BENCHMARK_PLANTS
     own = seeds.DEVELOPMENT_CASES if development else seeds.BENCHMARK_CASES
-    # Behind the seeds of the pushes suite; mixed, so that each plant has some of everything.
+    # Behind the seeds of the pushes suite; mixed, so that few cases have some of everything.
     order = np.random.default_rng(22).permutation(len(_CASES))[:count]
     return {f'ageing_{plants[k // CASES_PER_PLANT]}_{seed}': (
-        robot_path, plants[k // CASES_PER_PLANT], seed, *_CASES[place], learned, method)
-        for k, (seed, place) in enumerate(zip(own[95_000:], order))}
+        robot_path, plants[k // CASES_PER_PLANT], seed, *_CASES[case], learned, method)
+        for k, (seed, case) in enumerate(zip(own[95_000:], order))}
 
 
 def ageing_scores(results):

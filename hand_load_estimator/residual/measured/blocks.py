@@ -165,7 +165,8 @@ class _Sums:
     """
     Sums of one joint per block: dd (B, R, R), dr (B, R), rr (B,).
 
-    trained, left: what _trained and _left_by_nuisances made of them, once it was asked for.
+    trained, left: what _trained and _left_by_nuisances made of them, once it was asked for. Blocks
+    that share these sums have the same starts and folds.
     """
 
     dd: np.ndarray

@@ -118,7 +118,7 @@ _UNLIKE = {
        for name in ('gravity_spring', 'cable_drag', 'torque_ripple', 'base_tilt')},
     frozenset({'presliding_hysteresis', 'time_delay'}):
         'reverse the joint slowly and quickly over the same path: friction turns over the same '
-        'way, a delay lasts the same time',
+        'distance, a delay lasts the same time',
     frozenset({'presliding_hysteresis', 'torque_ripple'}):
         'move the joint on at constant speed after a reversal: friction has turned once, a ripple '
         'goes on'}
