@@ -122,6 +122,22 @@ def test_torque_and_mass_goals_hold_where_every_case_is_within():
     assert beyond({'ratios': [{'torque': {'after': float('nan')}}]}, 'torque', 1.15)
 
 
+def test_what_is_only_suspected_where_nothing_is_hidden_is_counted_with_its_price():
+    doubt = finding('backlash', verdict='suspected')
+    total = totals([result([], [doubt, doubt], 'clean', torque=(1.0, 1.3), mass=(0.4, 0.2)),
+                    # Of what is confirmed the price is another's.
+                    result([], [doubt, finding('torque_offset')], 'clean', torque=(1.0, 9.0)),
+                    result([], [], 'clean'), result([], [], 'blind')])
+    assert total['suspected']['clean'] == {
+        'of': 3, 'sets': 1, 'count': 2, 'torque': [1.3],
+        'mass': {'3 s': pytest.approx(0.5), 'end': pytest.approx(0.5)}}
+    rows = {what: value for what, _, value, _ in verdicts(total)}
+    assert rows['only suspected on them, and in the model all the same'] == (
+        '2 in 1 of 3; there torque error after over before, at its worst joint: median 1.30 x, '
+        'worst 1.30 x; mass RMSE 0.50 x at 3 s, 0.50 x at end')
+    assert rows['only suspected there, likewise'] == '0 in 0 of 1'
+
+
 def test_a_run_broken_off_names_what_has_no_case_yet():
     planned = [EffectCase('single', plant, (Hidden(name, strength),))
                for name in ('cable_drag', 'backlash') for strength in (0.5, 2.0, 5.0)

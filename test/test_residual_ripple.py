@@ -6,6 +6,7 @@ import pytest
 from hand_load_estimator.effects.torque_ripple import waves
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.residual.measured.blocks import Blocks
+from hand_load_estimator.residual.tracing import ripple
 from hand_load_estimator.residual.tracing.ripple import CANDIDATES, likely_periods, NEAR, TURNS
 
 
@@ -65,6 +66,14 @@ def test_a_period_found_in_noise_alone_gains_nothing():
     found = likely_periods(*strong)[0][0]
     columns = np.stack(waves(*strong[:2], found), axis=1)
     assert blocks.evaluate({0: columns}).gain > 100.0
+
+
+def test_the_spectrum_turned_on_is_that_of_the_waves():
+    q, v, residual, weights = waving(61.7, 0.5)
+    grid = np.arange(5.0, 399.0, 0.6)
+    turned = ripple._spectrum(q, v, residual, weights, grid, 0.6)
+    each = [ripple._explained(ripple._wave(q, v, p), v, residual, weights, p) for p in grid]
+    np.testing.assert_allclose(turned, each, rtol=1e-9, atol=1e-9 * max(each))
 
 
 def test_a_joint_that_hardly_moves_has_no_period():

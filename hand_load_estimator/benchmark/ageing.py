@@ -6,6 +6,7 @@ from .. import seeds
 from ..errors import ConfigurationError
 from ..estimators.build import build_method, determined_std
 from ..estimators.pipeline import Pipeline
+from ..estimators.residual_watch import ENOUGH
 from ..plant import TemperatureEvent
 from ..plant.effects_file import parse_effects
 from ..plant.hidden import EFFECTS
@@ -31,9 +32,9 @@ def measure_ageing(robot_path, plant, seed, name, strength, learned, method):
     """
     Return what the watch told of an arm with one effect since its identification, or none.
 
-    {'effect', 'strength', 'joints', 'first', 'end'}: the joints it acts on, empty for the whole
-    arm; first: [seconds from the start, joint] when a joint was told first, or None; end: the
-    joints told at the end, worst first. `skipped`: why no joint can have the effect so strong.
+    {'effect', 'strength', 'joints', 'first'}: the joints it acts on, empty for the whole arm;
+    first: [seconds from the start, joint] when a joint was told first, or None. `skipped`: why
+    no joint can have the effect so strong.
     """
     robot, models = robot_and_models(robot_path, plant, ())
     drawn = draw_case(robot, plant, seed)
@@ -56,11 +57,10 @@ def measure_ageing(robot_path, plant, seed, name, strength, learned, method):
             continue
         pipeline.joint_state(event.stamp, robot.joints, event.position, event.velocity,
                              event.effort)
-        aged = pipeline.watch.aged
-        if aged and first is None:
+        if first is None and (aged := pipeline.watch.aged):
             first = [event.stamp - motion.time[0], aged[0].joint]
     return {**told, 'joints': [joint for entry in entries for joint in entry.get('joints', ())],
-            'first': first, 'end': [one.joint for one in aged]}
+            'first': first}
 
 
 def _entries(robot, plant, seed, name, strength):
@@ -82,9 +82,9 @@ def ageing_jobs(robot_path, count, method, learned, development=False):
         for k, (seed, case) in enumerate(zip(own[95_000:], order))}
 
 
-def ageing_scores(results):
+def ageing_scores(results, method):
     """
-    Return {'effects', 'clean', 'skipped', 'all'} of results by label.
+    Return {'method', 'effects', 'clean', 'skipped', 'all'} of results by label.
 
     effects: a row per effect and strength; clean: [runs, those in which a joint was told, hours];
     all: the rows of one strength together.
@@ -93,8 +93,9 @@ def ageing_scores(results):
     clean = [r for r in runs if r['effect'] is None]
     aged = [r for r in runs if r['effect'] is not None]
     groups = sorted({(r['effect'], r['strength']) for r in aged})
-    return {'effects': [_row(name, strength, [r for r in aged if (r['effect'], r['strength'])
-                                              == (name, strength)]) for name, strength in groups],
+    return {'method': method,
+            'effects': [_row(*group, [r for r in aged if (r['effect'], r['strength']) == group])
+                        for group in groups],
             'all': [_row('all', strength, those) for strength in STRENGTHS
                     if (those := [r for r in aged if r['strength'] == strength])],
             'clean': [len(clean), sum(r['first'] is not None for r in clean),
@@ -122,13 +123,16 @@ def ageing_blocks(content):
         if content['skipped'] else ''
     return [
         Heading('An aged model told at work', 1),
-        Text(f'Pick and place for {DURATION:g} s with a load that nobody states, on arms to which '
-             'one effect happened since their identification; strength: RMS torque of the effect '
-             'over the noise. What `/diagnostics` says on the way: whether a joint was told to '
-             'have a residual above what the model states, whether the first one told was the '
-             'one with the effect (of effects of single joints), and when.' + skipped),
+        Text(f'Pick and place for {DURATION:g} s with a load that nobody states, estimated by '
+             f'`{content["method"]}`, on arms to which one effect happened since their '
+             'identification; strength: RMS torque of the effect over the noise along the '
+             'reference motion of the effects file, not along this one. What `/diagnostics` says '
+             'on the way: whether a joint was told to have a residual above what the model '
+             'states, whether the first one told was the one with the effect (of effects of '
+             f'single joints), and when; never before a joint has slid for {ENOUGH:g} s. Medians '
+             'are of the runs in which one was told.' + skipped),
         Text(f'False alarms: in {share_text(false, runs)} of the runs of arms that are as '
-             f'identified, {hours:.1f} h together.') if runs else Text('No run without effect.'),
+             f'identified, {hours:.2f} h together.') if runs else Text('No run without effect.'),
         Table(['effect', 'strength', 'told', 'first joint right', 'after, median [s]'], rows)]
 
 

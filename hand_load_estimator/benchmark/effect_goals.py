@@ -62,10 +62,14 @@ def _suspected(what, found):
     """Return the row of effects suspected where nothing is hidden, with what they cost."""
     if not found['of']:
         return None
-    masses = ', '.join(f'{ratio:.2f} x at {moment}' for moment, ratio in found['mass'].items())
-    return (what, 'told', f'{found["count"]} in {found["sets"]} of {found["of"]}; torque error '
-            f'after over before, at its worst joint: median {np.median(found["torque"]):.2f} x, '
-            f'worst {max(found["torque"]):.2f} x; mass RMSE {masses}', None)
+    told = f'{found["count"]} in {found["sets"]} of {found["of"]}'
+    if found['sets']:
+        masses = ', '.join(f'{ratio:.2f} x at {moment}'
+                           for moment, ratio in found['mass'].items())
+        told += (f'; there torque error after over before, at its worst joint: median '
+                 f'{np.median(found["torque"]):.2f} x, worst {max(found["torque"]):.2f} x; mass '
+                 f'RMSE {masses}')
+    return what, 'told', told, None
 
 
 def _share(what, counts, goal):

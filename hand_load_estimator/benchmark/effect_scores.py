@@ -215,17 +215,17 @@ def _suspected_in(results):
     """
     Return what sets in which nothing is hidden have of effects only suspected, and its price.
 
-    count, sets: of such findings, and with any of them; torque: of each set, RMSE after over
-    before at the joint where that is largest; mass {moment: likewise, all runs together}.
+    of, sets: all of them, and those with such findings and none confirmed, of which the rest is;
+    count: findings; torque: of each, RMSE after over before at the joint where that is largest;
+    mass {moment: likewise, all runs together}.
     """
-    counts = [sum(f['verdict'] == SUSPECTED for f in r['findings']) for r in results]
-    ratios = [np.max(np.array(r['torque']['after']) / np.array(r['torque']['before']))
-              for r in results]
-    return {'count': sum(counts), 'sets': sum(map(bool, counts)), 'of': len(results),
-            'torque': [float(ratio) for ratio in ratios],
-            'mass': {moment: mass_ratio(results, 'after', moment)
-                     / mass_ratio(results, 'before', moment) for moment in MASS_MOMENTS}
-            if results else {}}
+    own = [r for r in results if r['findings']
+           and all(f['verdict'] == SUSPECTED for f in r['findings'])]
+    return {'of': len(results), 'sets': len(own), 'count': sum(len(r['findings']) for r in own),
+            'torque': [float(np.max(np.divide(r['torque']['after'], r['torque']['before'])))
+                       for r in own],
+            'mass': {moment: mass_ratio(own, 'after', moment) / mass_ratio(own, 'before', moment)
+                     for moment in MASS_MOMENTS} if own else {}}
 
 
 def _confirmed(results):

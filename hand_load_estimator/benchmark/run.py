@@ -178,10 +178,11 @@ def _other(name, robot_path, options, raw, write):
         found = _some(measure_all(pushes.measure_push, jobs, raw, *run), raw)
         return pushes.push_scores(found), pushes.push_blocks
     if name == 'ageing':
-        jobs = ageing.ageing_jobs(str(robot_path), options.cases, chosen_methods(
-            options.methods)[0], options.learned, options.development)
+        method = chosen_methods(options.methods)[0]
+        jobs = ageing.ageing_jobs(str(robot_path), options.cases, method, options.learned,
+                                  options.development)
         found = _some(measure_all(ageing.measure_ageing, jobs, raw, *run), raw)
-        return ageing.ageing_scores(found), ageing.ageing_blocks
+        return ageing.ageing_scores(found, method), ageing.ageing_blocks
     if name == 'real':
         jobs = real_jobs(options.data, None, raw, options.methods, tuple(options.rivals))
         found = _some(measure_all(measure_set, jobs, raw, *run), raw)

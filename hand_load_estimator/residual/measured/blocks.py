@@ -82,21 +82,22 @@ class Blocks:
         """
         own, d = self._joints[j], self.nuisances[j]
         told = d.T @ (self.weights[:, j] * (self.residual[:, j] - beside))
-        delta = np.linalg.solve(own.dd.sum(axis=0) + np.eye(d.shape[1]), told)
+        delta = np.linalg.solve(self._trained(own)[-1], told)
         return self.residual[:, j] - d @ delta
 
     def misfit(self, j):
         """Return the nats (G,) that held-out blocks of joint j are off by beside the nuisances."""
-        return np.bincount(self._groups, 0.5 * self._left_by_nuisances(j))
+        return np.bincount(self._groups, 0.5 * self._left_by_nuisances(self._joints[j]))
 
     def evaluate(self, columns):
         """Return the Score of columns {joint: (N, k)}, in units of their prior's std."""
         sums = {j: self._cross(j, c) for j, c in columns.items()}
         theta, covariance, deltas = self._fits(sums)
         held_out, by_joint = theta[self._fold_of_blocks], {}
-        for j, own_sums in sums.items():
-            left = _squares(self._joints[j], own_sums, deltas[j][self._fold_of_blocks], held_out)
-            by_joint[j] = 0.5 * (self._left_by_nuisances(j) - left)
+        for j, crossed in sums.items():
+            own, delta = self._joints[j], deltas[j][self._fold_of_blocks]
+            by_joint[j] = 0.5 * (self._left_by_nuisances(own)
+                                 - _squares(own, crossed, delta, held_out))
         gains = np.bincount(self._groups, sum(by_joint.values()))
         std = np.sqrt(len(gains)) * gains.std()
         return Score(gains.sum(), std, gains, theta[-1], covariance[-1],
@@ -120,9 +121,8 @@ class Blocks:
         sums = np.array([weighted[a:b].T @ right[a:b] for a, b in zip(self.starts, self._ends)])
         return sums[:, :, :k], sums[:, :, k:k + r], sums[:, :, k + r]
 
-    def _left_by_nuisances(self, j):
-        """Return the weighted squares (B,) that nuisances fitted without a block leave in it."""
-        own = self._joints[j]
+    def _left_by_nuisances(self, own):
+        """Return the weighted squares (B,) of _Sums after nuisances fitted without each fold."""
         if own.left is None:
             delta = np.linalg.solve(self._trained(own), self._over_trains(own.dr)[..., None])
             own.left = own.squares(delta[self._fold_of_blocks, :, 0])

@@ -36,7 +36,7 @@ def likely_periods(q, v, residual, weights):
 
 def _spectrum(q, v, residual, weights, grid, step):
     """Return what _explained says of every period of a grid, `step` apart."""
-    # As waves has it, but from one period to the next by a turn instead of a sine.
+    # As _wave has it. Sines are the costly part: on an even grid one product stands for both.
     shown = q + 3.0 / BANDWIDTH * v
     wave, turn = np.exp(1j * grid[0] * shown), np.exp(1j * step * shown)
     power = np.empty(len(grid))
