@@ -10,9 +10,9 @@ from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.learning.artefact import arm_of
 from hand_load_estimator.learning.direct_artefact import (read_direct_artefact,
                                                           write_direct_artefact)
-from hand_load_estimator.learning.direct_calibration import RANGES
 from hand_load_estimator.learning.direct_design import Design, design_for
 from hand_load_estimator.learning.direct_network import build_network, inputs_of
+from hand_load_estimator.learning.stated_factors import RANGES
 from hand_load_estimator.torque.model_follower import ModelFollower
 
 

@@ -13,13 +13,16 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.direct_artefact import read_direct_artefact
-from hand_load_estimator.learning.direct_calibration import (calibrate_direct, calibrated,
-                                                             factors_of)
+from hand_load_estimator.learning.direct_calibration import direct_answers
 from hand_load_estimator.learning.direct_design import design_for, NETWORKS
 from hand_load_estimator.learning.direct_network import build_network, Judge
 from hand_load_estimator.learning.direct_shards import load_torque, make_direct_shard
 from hand_load_estimator.learning.direct_training import DirectRecipe, Loss
+from hand_load_estimator.learning.first_moments import (message_of, message_prior,
+                                                        moments_prior)
 from hand_load_estimator.learning.sequences import SequenceMaker
+from hand_load_estimator.learning.stated_factors import calibrated
+from hand_load_estimator.learning.stated_intervals import calibrate_stated, factors_of
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
 
@@ -44,13 +47,17 @@ def shard(model, robot):
 @pytest.mark.parametrize('name', NETWORKS)
 def test_a_new_network_answers_the_prior(robot, name):
     prior = load_prior(robot)
+    network = build_network(robot, design_of(robot, name))
     with torch.no_grad():
-        mean, std, _ = build_network(robot, design_of(robot, name))(inputs(robot))
+        mean, std, _ = network(inputs(robot))
     assert mean.shape == std.shape == (2, 40, 10)
-    np.testing.assert_allclose(mean[..., :4].numpy(), np.broadcast_to(
-        prior.mean[:4], (2, 40, 4)), rtol=1e-5)
-    np.testing.assert_allclose(std[..., :4].numpy(), np.broadcast_to(
-        prior.std[:4], (2, 40, 4)), rtol=1e-5)
+    for said, known in zip((mean, std), moments_prior(prior)):
+        np.testing.assert_allclose(said, np.broadcast_to(known, (2, 40, 10)), rtol=1e-5)
+    if name != 'dropout':   # Copies that say nothing do not scatter.
+        mean, std, _ = Judge(robot, network)(inputs(robot))
+        np.testing.assert_allclose(mean[..., :4], np.broadcast_to(
+            prior.mean[:4], (2, 40, 4)), rtol=1e-5)
+        assert (std[..., 1:4].numpy() > 0.5 * prior.std[1:4]).all()
 
 
 @pytest.mark.parametrize('name', RECURRENT)
@@ -177,6 +184,20 @@ def test_E1_5_parameters_not_asked_for_keep_the_prior(tmp_path, robot, name):
     assert np.linalg.eigvalsh(last.covariance).min() > 0.0
 
 
+@pytest.mark.parametrize('parameters, learnt', [
+    (('x', 'z'), [0, 1, 3]), (('m', 'x'), [0, 1]), (('m', 'ixx'), [0, 4]), (('iyy',), [7])])
+def test_E1_5_a_centre_asks_for_the_mass_that_it_is_a_moment_of(
+        tmp_path, robot, parameters, learnt):
+    design = design_of(robot, parameters=parameters)
+    assert design.learnt == learnt and design.answers == 2 * len(learnt)
+    pipeline = pipeline_with(exact_model('four'),
+                             artefact_of(tmp_path, robot, network_of(robot, design)))
+    prior = pipeline.method.belief()
+    last = feed(pipeline, messages(exact_model('four'), block(2.0), 1.5))[-1]
+    changed = [MESSAGE_ORDER[k] for k in range(10) if last.mean[k] != prior.mean[k]]
+    assert set(changed) == set(parameters)
+
+
 @pytest.mark.parametrize('wrong', [{'joints': ('j9',)}, {'parameters': ('mass',)},
                                    {'parameters': ()}, {'network': 'magic'}])
 def test_E1_5_unknown_names_are_refused(robot, wrong):
@@ -257,20 +278,22 @@ def test_E6_1_stated_deviations_follow_the_error(robot, shard):
 def test_E6_2_thinned_networks_give_mean_and_index(robot):
     network = network_of(robot, design_of(robot, 'dropout', thinned=0.3))
     x = inputs(robot)
-    mean, std, _ = Judge(network)(x)
+    mean, std, _ = Judge(robot, network)(x)
     masks = network.masks(5, torch.Generator().manual_seed(0))
     with torch.no_grad():
         each = torch.stack([network(x, masks=masks[:, k:k + 1].expand(-1, 2, -1))[0]
                             for k in range(5)])
     assert (each.std(dim=0)[:, 5:, 0] > 1e-5).all()
-    np.testing.assert_allclose(mean, each.mean(dim=0), atol=1e-5)
-    np.testing.assert_allclose(std, each.std(dim=0), atol=1e-5)
+    prior = (part.float() for part in message_prior(load_prior(robot)))
+    again = message_of(each.mean(dim=0), each.std(dim=0), *prior)
+    np.testing.assert_allclose(mean, again[0], atol=1e-5)
+    np.testing.assert_allclose(std, again[1], atol=1e-5)
 
 
 def test_E6_2_is_seeded(robot):
     network = network_of(robot, design_of(robot, 'dropout', thinned=0.3))
     x = inputs(robot)
-    one, again, other = (Judge(network, seed)(x)[1] for seed in (1, 1, 2))
+    one, again, other = (Judge(robot, network, seed)(x)[1] for seed in (1, 1, 2))
     assert torch.equal(one, again) and not torch.equal(one, other)
 
 
@@ -295,17 +318,21 @@ def test_E6_1_calibration_gives_95_percent_where_stated_deviations_are_off():
 
 
 def test_calibration_asks_the_network_on_shards(tmp_path, robot, shard):
-    """Where a network is twice as sure the factor is twice as large; sick arms are left out."""
+    """Twice as sure is twice the factor, but where the prior helps; sick arms are left out."""
     def factors(sureness, severe):
         changed = {**shard, 'severe': torch.tensor(severe), 'begin': torch.zeros(6)}
         save_file({k: v.contiguous() for k, v in changed.items()}, tmp_path / 's.safetensors')
         network = network_of(robot, design_of(robot), size=0.0)
         with torch.no_grad():
             network.head.bias[10:] = -float(np.log(sureness))
-        return calibrate_direct(network, robot, [tmp_path / 's.safetensors'])[1]
+        return calibrate_stated(direct_answers(network, robot, [tmp_path / 's.safetensors']),
+                                range(10))[1]
 
     healthy = [0.0] * 6
-    np.testing.assert_allclose(factors(2.0, healthy), 2.0 * factors(1.0, healthy), rtol=1e-4)
+    one, two = factors(1.0, healthy), factors(2.0, healthy)
+    direct = [0, *range(4, 10)]
+    np.testing.assert_allclose(two[direct], 2.0 * one[direct], rtol=1e-4)
+    assert (two[1:4] < 2.0 * one[1:4]).all() and (two[1:4] > one[1:4]).all()
     assert (factors(1.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0])[0] != factors(1.0, healthy)[0]).any()
 
 

@@ -13,7 +13,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_method, shipped_artefact
 from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.learning.direct_artefact import read_direct_artefact
-from hand_load_estimator.learning.direct_network import inputs_of
+from hand_load_estimator.learning.direct_network import inputs_of, Judge
 from hand_load_estimator.torque.model_follower import ModelFollower
 
 
@@ -43,9 +43,8 @@ def test_the_method_answers_what_the_network_answers_in_training(robot, artefact
     parts += [np.array([p.difference for _, p in seen]),
               np.array([s.temperature for s, _ in seen]) - robot.reference_temperature]
     q, v, a, difference, warmth = torch.tensor(np.array(parts), dtype=torch.float32)[:, None]
-    with torch.no_grad():
-        mean, std, _ = artefact.network(inputs_of(robot, [0, 1, 2, 3], (q, v, a), difference,
-                                                  warmth))
+    mean, std, _ = Judge(robot, artefact.network)(inputs_of(
+        robot, [0, 1, 2, 3], (q, v, a), difference, warmth))
     np.testing.assert_allclose(last.mean, mean[0, -1], rtol=1e-4, atol=1e-6)
     np.testing.assert_allclose(np.sqrt(np.diag(last.covariance)), std[0, -1], rtol=1e-4)
 
@@ -108,7 +107,7 @@ def test_the_card_decides_which_artefact_is_found(tmp_path, robot, artefact, mon
         assert build_method(model, ModelFollower(model).uncertainties, name).name == becomes
 
 
-@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'a tensor missing', 'a NaN',
+@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'learns', 'a tensor missing', 'a NaN',
                                  'factors of nothing', 'joints of another robot'])
 def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
     artefact_of(tmp_path, robot, network_of(robot, design_of(robot)))
@@ -119,6 +118,8 @@ def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
         card['network'] = 'elman'
     elif how == 'joints':
         card['joints'] = ['a', 'b', 'c', 'd']
+    elif how == 'learns':
+        del card['learns']   # As of networks that answered the centre itself.
     elif how == 'design':
         del card['recipe']['design']['hidden'], card['recipe']['design']['network']
     elif how == 'joints of another robot':

@@ -10,9 +10,9 @@ contacts, whose samples it does not see, mismatch and tare.
 import numpy as np
 import torch
 
-from ..learning.direct_calibration import calibrated
 from ..learning.direct_network import Judge, inputs_of
 from ..learning.network_memory import NetworkMemory
+from ..learning.stated_factors import calibrated
 from ..load import message_from_shape, products_jacobian_of_message
 from ..torque.columns import warmth_of
 from .information import message_covariance
@@ -35,7 +35,7 @@ class Direct(WatchedByBayes):
         self._joints = [model.robot.joints.index(name) for name in design.joints]
         self._picked, self._artefact = design.picked, artefact
         self._fingerprint = artefact.fingerprint
-        self._judge = Judge(artefact.network)
+        self._judge = Judge(model.robot, artefact.network)
         self._memory = NetworkMemory(self._judge, 5 * len(self._joints) + 1)
         prior = load_prior(self._robot)
         self._prior = Belief(message_from_shape(prior.mean),

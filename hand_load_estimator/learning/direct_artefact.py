@@ -7,11 +7,12 @@ import numpy as np
 import torch
 
 from ..errors import ConfigurationError
-from .artefact import read_files, write_files
-from .direct_calibration import RANGES
+from .artefact import CARD, read_files, write_files
 from .direct_design import Design
 from .direct_network import build_network
 from .fingerprint import fingerprint_of
+from .first_moments import LEARNS
+from .stated_factors import usable
 
 WEIGHTS = 'network.safetensors'
 
@@ -36,13 +37,17 @@ class DirectArtefact:
 def write_direct_artefact(folder, network, knots, factors, card):
     """Write network and calibration; each file appears whole or not at all."""
     tensors = {f'network.{name}': value.numpy() for name, value in network.state_dict().items()}
-    write_files(folder, WEIGHTS, {**tensors, 'knots': knots, 'factors': factors}, card)
+    write_files(folder, WEIGHTS, {**tensors, 'knots': knots, 'factors': factors},
+                {**card, 'learns': LEARNS})
 
 
 def read_direct_artefact(folder, robot, network):
     """Return the DirectArtefact of a folder, refused when it is another robot's or network's."""
     folder = Path(folder)
     card, tensors = read_files(folder, WEIGHTS, robot, network)
+    if card.get('learns') != LEARNS:
+        raise ConfigurationError(folder / CARD, 'is of a network that learnt to answer something '
+                                 'else', card.get('learns'), LEARNS, 'train it again')
     try:
         design = _design(card, robot)
         own = build_network(robot, design)
@@ -52,8 +57,7 @@ def read_direct_artefact(folder, robot, network):
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         raise ConfigurationError(folder, f'does not hold what its card says ({error})',
                                  todo='train it again') from None
-    shape = (len(design.parameters), RANGES)
-    if knots.shape != shape or factors.shape != shape or (factors <= 0.0).any() \
+    if not usable(knots, factors, len(design.parameters)) \
             or not all(np.isfinite(value).all() for value in tensors.values()):
         raise ConfigurationError(folder / WEIGHTS, 'has tensors that are not usable',
                                  allowed='finite ones, calibration above 0',

@@ -39,7 +39,7 @@ class Design:
     network: str
     joints: tuple
     parameters: tuple = MESSAGE_ORDER
-    hidden: int = 48
+    hidden: int = 96
     layers: int = 1
     window: int = 25
     thinned: float = 0.1
@@ -52,9 +52,15 @@ class Design:
         return [MESSAGE_ORDER.index(name) for name in self.parameters]
 
     @property
+    def learnt(self):
+        """Places of what the network answers: of the parameters, and of the mass for a centre."""
+        place = set(self.parameters) & set(MESSAGE_ORDER[1:4])
+        return sorted({*self.picked, 0} if place else self.picked)
+
+    @property
     def answers(self):
-        """How many numbers the network answers: mean and deviation of each parameter."""
-        return 2 * len(self.parameters)
+        """How many numbers the network answers: mean and deviation of what it learns."""
+        return 2 * len(self.learnt)
 
 
 def design_for(robot, network, joints=None, parameters=None, **sizes):

@@ -3,7 +3,8 @@ Networks from motion and torque difference to the load, with variance (E1.3 to E
 
 x_t holds theta, theta', theta'', tau_real - tau_mdl and the temperature of each joint (E3.1), 5 k
 numbers for k joints, and whether temperatures are known. Each answers mean and standard deviation
-of its parameters in message order at every step; an untrained network answers the prior.
+of mass, first moment and inertia (first_moments.py) at every step, an untrained one the prior's; a
+Judge turns them into a message's.
 """
 
 from functools import partial
@@ -12,8 +13,8 @@ import torch
 from torch import nn
 
 from ..estimators.load_prior import load_prior
+from .first_moments import message_of, message_prior, moments_prior
 from .jordan import Jordan
-from .regression_layer import message_moments
 
 CELLS = {'lstm_direct': nn.LSTM, 'gru': nn.GRU, 'elman': nn.RNN, 'two_network': nn.LSTM,
          'dropout': nn.LSTM}
@@ -146,16 +147,14 @@ def _answer(design):
 
 
 class DirectNetwork(nn.Module):
-    """x -> mean and standard deviation (B, J, 10) in message order."""
+    """x -> mean and standard deviation (B, J, 10) of mass, first moment and inertia."""
 
     def __init__(self, robot, design):
         super().__init__()
         self.design, self._joints = design, len(design.joints)
-        prior = load_prior(robot)
-        centre, variance = message_moments(torch.tensor(prior.mean),
-                                           torch.diag(torch.tensor(prior.std) ** 2))
+        centre, scale = moments_prior(load_prior(robot))
         self.register_buffer('centre', centre.float(), persistent=False)
-        self.register_buffer('scale', torch.sqrt(variance).float(), persistent=False)
+        self.register_buffer('scale', scale.float(), persistent=False)
         self.backbone = _backbone(design, 7 * self._joints + 1)
         self.between, self.head = _answer(design)
 
@@ -167,11 +166,11 @@ class DirectNetwork(nn.Module):
         """
         out, state = self.backbone(_encoded(x, self._joints), state, at, masks)
         out = self.head(self.between(out))
-        picked = self.design.picked
+        learnt = self.design.learnt
         mean = self.centre.expand(*out.shape[:2], 10).clone()
         std = self.scale.expand(*out.shape[:2], 10).clone()
-        mean[..., picked] = mean[..., picked] + std[..., picked] * out[..., :len(picked)]
-        std[..., picked] = std[..., picked] * torch.exp(out[..., len(picked):].clamp(LEAST, MOST))
+        mean[..., learnt] = mean[..., learnt] + std[..., learnt] * out[..., :len(learnt)]
+        std[..., learnt] = std[..., learnt] * torch.exp(out[..., len(learnt):].clamp(LEAST, MOST))
         return mean, std, state
 
     def masks(self, count, generator):
@@ -242,25 +241,30 @@ def build_network(robot, design):
 
 class Judge:
     """
-    Ask a trained network for its answer and its reliability index.
+    Ask a trained network of a robot for its answer in message order and its reliability index.
 
     That is its own standard deviation (E6.1), or, for `dropout`, the scatter of `copies` randomly
     thinned networks around their mean (E6.2), the same ones from a fixed seed ever after.
     """
 
-    def __init__(self, network, seed=0):
+    def __init__(self, robot, network, seed=0):
         self._network, self._copies = network, network.design.copies
         self._masks = network.masks(self._copies, torch.Generator().manual_seed(seed))
+        self._prior = [part.float() for part in message_prior(load_prior(robot))]
 
     @torch.no_grad()
     def __call__(self, x, state=None, at=None):
         """Return mean, std (B, J, 10) and the state; arguments as of the network."""
+        mean, std, state = self._moments(x, state, at)
+        return *message_of(mean, std, *self._prior), state
+
+    def _moments(self, x, state, at):
         if self._masks is None:
             return self._network(x, state, at)
         many = x.repeat_interleave(self._copies, dim=0)
         mean, std, state = self._network(many, state, at, self._masks.repeat(1, len(x), 1))
         mean, std = (part.unflatten(0, (len(x), self._copies)) for part in (mean, std))
-        picked = self._network.design.picked
+        learnt = self._network.design.learnt
         out = std[:, 0].clone()
-        out[..., picked] = mean[..., picked].std(dim=1)
+        out[..., learnt] = mean[..., learnt].std(dim=1)
         return mean.mean(dim=1), out, state

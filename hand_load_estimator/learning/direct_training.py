@@ -16,14 +16,15 @@ import torch
 from ..torque.model_file import read_model
 from .artefact import arm_of
 from .direct_artefact import write_direct_artefact
-from .direct_calibration import (calibrate_direct, direct_scores, inputs_of_shard,
-                                 judged_samples)
+from .direct_calibration import direct_answers, inputs_of_shard
 from .direct_design import NETWORKS, Design
 from .direct_network import build_network
 from .direct_shards import make_direct_shard
-from .objective import divergence
+from .first_moments import LABEL_STD, moments_of
+from .objective import DIVERGENCES
 from .random_loads import random_load
 from .sequences import DURATION
+from .stated_intervals import calibrate_stated, judged_samples, scores_of
 from .training_loop import (begin_work, end_work, job_of, keep_memory, make_sequences, optimise,
                             pick_device, spans_of)
 
@@ -43,7 +44,7 @@ class DirectRecipe:
     sequences: int = 2048
     calibration: int = 256
     validation: int = 128
-    passes: int = 60
+    passes: int = 120
     learning_rate: float = 3e-3
     seed: int = 1
     divergence: str = 'kl'
@@ -62,10 +63,14 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
     network = optimise(build_network(robot, recipe.design).to(device), recipe,
                        shards['training'], Loss(robot, recipe, len(shards['training'])), work,
                        write).cpu().train(False)
-    knots, factors = calibrate_direct(network, robot, shards['calibration'])
-    scores = direct_scores(network, robot, knots, factors, shards['validation'])
+    picked = recipe.design.picked
+    knots, factors = calibrate_stated(
+        direct_answers(network, robot, shards['calibration']), picked)
+    scores = scores_of(direct_answers(network, robot, shards['validation']), picked, knots,
+                       factors)
     write_direct_artefact(folder, network, knots, factors,
-                          _card(model, recipe.design, job, spans, scores, time.time() - began))
+                          _card(model, recipe.design, job, spans, scores, device,
+                                time.time() - began))
     end_work(work)
     return scores
 
@@ -73,6 +78,9 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
 class Loss:
     """
     The divergence between labels and answers (E6.1), averaged over judged times.
+
+    Each is followed by the deviation stated with it, held fixed (Seitzer et al. 2022, beta = 0.5): else
+    what is known well drowns what is not known yet, which then never is.
 
     shards: their number, which with the passes tells how far a training is.
     """
@@ -92,15 +100,15 @@ class Loss:
         pieces, steps = shard['error'].shape[:2]
         load = self._loads[rng.integers(LOADS, size=pieces)]
         x = inputs_of_shard(self._robot, self._joints, shard, load)
-        load = torch.tensor(load, device=x.device, dtype=x.dtype)
-        at = judged_samples(steps)
+        load = moments_of(torch.tensor(load, device=x.device, dtype=x.dtype))
+        at = torch.tensor(judged_samples(steps))
         if self._design.network == 'two_network':
             return self._of_two(network, x, load, shard['error'], at)
         masks = network.masks(len(x), torch.Generator().manual_seed(step))
         mean, std, _ = network(x, at=at, masks=masks)
         # Thinned networks are points: their scatter, not their head, tells how sure they are.
         return self._divergence(mean, network.scale.expand_as(std) if masks is not None else std,
-                                load)
+                                load, network.scale)
 
     def pieces(self, rng, shard, step):
         """
@@ -121,18 +129,22 @@ class Loss:
                 **{name: shard[name][which[:, None], rows]
                    for name in ('warmth', 'columns', 'error')}}
 
-    def _divergence(self, mean, std, load):
-        return divergence(mean, std ** 2, load, self._kind)[..., self._design.picked].mean()
+    def _divergence(self, mean, std, load, scale):
+        width = torch.tensor(LABEL_STD, dtype=mean.dtype, device=mean.device)
+        each = DIVERGENCES[self._kind](mean, std ** 2, load[:, None], width)
+        weighed = (std / scale).detach() * each
+        # What is told stays the divergence; only what is followed is weighed.
+        return (weighed + (each - weighed).detach())[..., self._design.learnt].mean()
 
     def _of_two(self, network, x, load, error, at):
         first, predicted, corrected, _ = network.passes(x)
-        of_load = sum(self._divergence(mean[:, at], std[:, at], load)
+        of_load = sum(self._divergence(mean[:, at], std[:, at], load, network.load.scale)
                       for mean, std in (first, corrected))
         label = error[..., self._joints] / self._peak.to(x.device)
         return of_load + network.error_loss(predicted, label)
 
 
-def _card(model, design, job, spans, scores, seconds):
+def _card(model, design, job, spans, scores, device, seconds):
     return {
         'name': f'{NETWORKS[design.network]} for {model.robot.name}',
         **arm_of(model.robot),
@@ -141,4 +153,5 @@ def _card(model, design, job, spans, scores, seconds):
         'trained_on': 'draws around the identified torque model; no simulator, no plant',
         'model_recordings': model.recording_names, **job, 'sequence_seconds': DURATION,
         'seeds': {name: span.start for name, span in spans.items()},
-        'torch': torch.__version__, 'wall_seconds': round(seconds), 'held_out': scores}
+        'torch': torch.__version__, 'device': device.type, 'wall_seconds': round(seconds),
+        'held_out': scores}
