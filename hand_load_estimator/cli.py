@@ -22,6 +22,7 @@ COMMANDS = {
     'identify': 'make a torque model from recordings without load or with a known one',
     'diagnose': 'find what a torque model lacks, add it, report before and after',
     'train': 'train the learned estimator for a torque model',
+    'calibrate': 'make the intervals of a method without a network true',
     'learn-gp': 'learn what a torque model leaves without load, for methods gp_...',
     'estimate': 'estimate the load in a recording',
     'benchmark': 'measure accuracy and speed beside rival methods',

@@ -21,6 +21,9 @@ def add_arguments(parser):
     parser.add_argument('--learned', default=None, metavar='DIR',
                         help='learned artefact, or the name of a shipped one (default: the one '
                              'shipped for the robot; for gp_... for the model)')
+    parser.add_argument('--intervals', default=None, metavar='DIR',
+                        help='calibrated intervals of a method without a network, or the name of '
+                             'shipped ones (default: those shipped for the robot, if any)')
     parser.add_argument('--tool', default=None, metavar='T.yaml',
                         help='load file of a known tool, which may state `std`; the answer is '
                              'what is held beside it (default: none)')
@@ -36,8 +39,10 @@ def run(args):
     from ..files.shared_files import find_shared
     model = find_shared(args.model, 'models')
     learned = args.learned and str(find_shared(args.learned, 'learned'))
-    out = output_file(args.out, SCHEMA, (args.recording, model, learned, args.tool))
-    pipeline = build_pipeline(model, args.method, learned, tool_path=args.tool)
+    intervals = args.intervals and str(find_shared(args.intervals, 'learned'))
+    out = output_file(args.out, SCHEMA, (args.recording, model, learned, intervals, args.tool))
+    pipeline = build_pipeline(model, args.method, learned, tool_path=args.tool,
+                              intervals=intervals)
     # The answer must not know the load: load.yaml is not read.
     recording = read_recording(args.recording, with_load=False, **topics(args))
     result = estimate_recording(pipeline, recording)

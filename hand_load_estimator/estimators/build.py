@@ -7,13 +7,15 @@ from ..errors import ConfigurationError
 from ..files.shared_files import find_shared, share_folder
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
+from ..learning.intervals import kind_of, read_intervals
 from ..load import MESSAGE_ORDER
 from ..robot import load_robot
 from ..torque.model_file import model_digest, read_model
 from ..torque.model_follower import ModelFollower
 from ..torque.model_of_robot import model_of_robot
+from .calibrated import Calibrated
 from .pipeline import Pipeline
-from .registry import DEFAULT, DIFFERENCE, METHODS, WITHOUT_ARTEFACT
+from .registry import DEFAULT, DIFFERENCE, METHODS, with_network, WITHOUT_ARTEFACT
 from .tool import read_tool, ToolFollower
 
 # A parameter counts as determined below these standard deviations, as fractions of the rated
@@ -60,14 +62,30 @@ def _shipped_cards(name):
                                      todo='install the package again') from None
 
 
-def build_method(model, uncertainties, name, learned=None):
+def build_method(model, uncertainties, name, learned=None, intervals=None, calibrate=True):
     """
     Return the Method of a name for a TorqueModel.
 
     learned: artefact folder, short name of a shipped one, or None for that of the arm. Without
     any, a method with a network becomes `bayes` and the method's name says so, while one on a
-    learned torque difference fails.
+    learned torque difference fails. intervals: folder of its calibration where it has no network,
+    short name of a shipped one, or None for that of the arm, if any; calibrate: False for none.
     """
+    method = _stating(model, uncertainties, name, learned)
+    if not calibrate:
+        return method
+    if intervals and with_network(method.name):
+        raise ConfigurationError('intervals', 'go with methods without a network, not with '
+                                 f'{method.name}, which brings its own', intervals)
+    folder = find_shared(intervals, 'learned') if intervals else shipped_artefact(
+        model.robot, kind_of(method.name))
+    if folder is None:
+        return method
+    return Calibrated(method, read_intervals(folder, model.robot, method.name))
+
+
+def _stating(model, uncertainties, name, learned):
+    """Return the Method that states deviations as it has them."""
     if name not in METHODS:
         raise ConfigurationError('method', 'is not known', name, ', '.join(METHODS))
     way = METHODS[name]
@@ -95,12 +113,14 @@ def _shipped(model, name, learned):
     return folder
 
 
-def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, tool_path=None):
+def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, tool_path=None,
+                   intervals=None):
     """
     Return the Pipeline of a model file; raises ConfigurationError.
 
     robot_path: robot file the model must belong to, by joints, where they lie and effort kind, or
-    None; tool_path: load file of a known tool, or None: the estimate is what is held beside it.
+    None; tool_path: load file of a known tool, or None: the estimate is what is held beside it;
+    learned, intervals: as of build_method.
     """
     model_file = find_shared(model_path, 'models')
     # Before it is read: should it be replaced meanwhile, a checkpoint is refused, not misread.
@@ -111,6 +131,7 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     if tool:
         follower = ToolFollower(follower, tool)
     return Pipeline(model, follower,
-                    build_method(model, follower.uncertainties, method, learned or None),
+                    build_method(model, follower.uncertainties, method, learned or None,
+                                 intervals or None),
                     determined_std(model.robot), model_file=model_file,
                     digest=digest, tool=tool)

@@ -70,5 +70,12 @@ METHODS = {
     **{name: _direct(name) for name in NETWORKS},
     **{name: _on_difference(name) for name in (
         'gp_histogram', 'gp_bayes', 'gp_swarm', 'gp_evolution', 'gp_annealing')}}
+
+
+def with_network(name):
+    """Tell whether a method has a network, whose training calibrates its intervals."""
+    return METHODS[name].learned not in (None, DIFFERENCE)
+
+
 DEFAULT, WITHOUT_ARTEFACT = 'lstm', 'bayes'
 ON_DIFFERENCE = frozenset(name for name, way in METHODS.items() if way.learned == DIFFERENCE)

@@ -74,6 +74,11 @@ class SequenceMaker:
         values, vectors = np.linalg.eigh(model.covariance)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
 
+    @property
+    def model(self):
+        """The TorqueModel that arms are drawn around."""
+        return self._model
+
     def make(self, seed):
         """Return the Sequence of a seed."""
         rng = np.random.default_rng(seed)

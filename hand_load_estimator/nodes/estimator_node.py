@@ -47,7 +47,7 @@ def build_from_parameters(values):
     """Return the Pipeline the parameters ask for; raises ConfigurationError."""
     robot, model = robot_and_model(values)
     return build_pipeline(model, values.method, values.learned or None, robot,
-                          values.tool or None)
+                          values.tool or None, values.intervals or None)
 
 
 def _one_sentence(error):
