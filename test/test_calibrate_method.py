@@ -8,6 +8,7 @@ import pytest
 from safetensors.numpy import load_file, save_file
 import torch
 
+from hand_load_estimator.benchmark.contestants import our_contestants
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators import build, regression
@@ -106,7 +107,7 @@ def test_a_drawn_stream_carries_the_sequence(model):
 
 def test_factors_come_on_deviations_and_leave_correlations(model):
     follower = ModelFollower(model)
-    plain = build_method(model, follower.uncertainties, 'bayes', calibrate=False)
+    plain = build_method(model, follower.uncertainties, 'bayes')
     knots = np.tile(np.linspace(-9.0, 1.0, RANGES), (10, 1))
     factors = np.ones((10, RANGES))
     factors[0], factors[5] = 3.0, 0.5
@@ -178,18 +179,25 @@ def test_a_checkpoint_goes_from_stated_to_calibrated_intervals_and_back(made):
     np.testing.assert_allclose(fresh.method.belief().mean, ours.method.belief().mean, rtol=1e-3)
 
 
-def test_those_shipped_for_the_arm_are_taken(tmp_path, model, monkeypatch):
+def test_those_shipped_are_taken_when_asked_for_and_in_benchmarks(tmp_path, model, monkeypatch):
+    """They are of simulated arms: a user's arm keeps what the method states unless told."""
     monkeypatch.setattr(build, 'share_folder', lambda: tmp_path)
-    written(tmp_path / 'config' / 'learned' / 'four_bayes', model.robot)
+    folder = written(tmp_path / 'config' / 'learned' / 'four_bayes', model.robot)
     size = ModelFollower(model).uncertainties
 
-    def std(name, **chosen):
-        return np.sqrt(np.diag(build_method(model, size, name, **chosen).belief().covariance))
+    def std(method):
+        return np.sqrt(np.diag(method.belief().covariance))
 
-    np.testing.assert_allclose(std('bayes'), 2.0 * std('bayes', calibrate=False))
-    np.testing.assert_allclose(std('least_squares'), std('least_squares', calibrate=False))
-    # A network that is not there becomes `bayes`, with what is calibrated of that.
-    np.testing.assert_allclose(std('lstm'), std('bayes'))
+    plain = std(build_method(model, size, 'bayes'))
+    np.testing.assert_allclose(std(build_method(model, size, 'bayes', intervals=str(folder))),
+                               2.0 * plain)
+    # A network that is not there becomes `bayes`, with what is asked for of that.
+    np.testing.assert_allclose(std(build_method(model, size, 'lstm', intervals=str(folder))),
+                               2.0 * plain)
+    racing = our_contestants(model, ('bayes', 'least_squares'), None)
+    np.testing.assert_allclose(std(racing['bayes'].method), 2.0 * plain)
+    np.testing.assert_allclose(std(racing['least_squares'].method),
+                               std(build_method(model, size, 'least_squares')))
 
 
 @pytest.mark.parametrize('how', ['method', 'joints', 'a NaN', 'factors of nothing', 'shape'])

@@ -107,7 +107,8 @@ def test_the_card_decides_which_artefact_is_found(tmp_path, robot, artefact, mon
         assert build_method(model, ModelFollower(model).uncertainties, name).name == becomes
 
 
-@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'learns', 'a tensor missing', 'a NaN',
+@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'learns', 'a NaN',
+                                 'a tensor missing',
                                  'factors of nothing', 'joints of another robot'])
 def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
     artefact_of(tmp_path, robot, network_of(robot, design_of(robot)))

@@ -47,7 +47,7 @@ def test_the_artefact_is_small_and_its_card_tells_recipe_seed_and_scores():
 def test_the_shipped_model_has_a_learned_difference_of_its_own():
     model = read_model(find_shared('ur10e', 'models'))
     folder = shipped_difference(model)
-    assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
     card = read_difference(folder, model).card
     assert card['function'] == 'gp' and card['recordings'] == model.recording_names
     for name in ON_DIFFERENCE:
@@ -78,7 +78,7 @@ def test_every_direct_network_is_shipped_small_and_calibrated(network):
     """E1.3, E1.4, E1.6, E6.1, E6.2: selectable without training anything."""
     robot = load_robot(find_shared('ur10e', 'robots'))
     folder = shipped_artefact(robot, network)
-    assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
     card = read_direct_artefact(folder, robot, network).card
     assert card['recipe']['design']['parameters'] == list(MESSAGE_ORDER)
     assert card['seeds']['training'] == seeds.TRAINING.start

@@ -7,7 +7,7 @@ from ..errors import ConfigurationError
 from ..files.shared_files import find_shared, share_folder
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
-from ..learning.intervals import kind_of, read_intervals
+from ..learning.intervals import read_intervals
 from ..load import MESSAGE_ORDER
 from ..robot import load_robot
 from ..torque.model_file import model_digest, read_model
@@ -62,25 +62,22 @@ def _shipped_cards(name):
                                      todo='install the package again') from None
 
 
-def build_method(model, uncertainties, name, learned=None, intervals=None, calibrate=True):
+def build_method(model, uncertainties, name, learned=None, intervals=None):
     """
     Return the Method of a name for a TorqueModel.
 
     learned: artefact folder, short name of a shipped one, or None for that of the arm. Without
     any, a method with a network becomes `bayes` and the method's name says so, while one on a
     learned torque difference fails. intervals: folder of its calibration where it has no network,
-    short name of a shipped one, or None for that of the arm, if any; calibrate: False for none.
+    short name of a shipped one, or None for deviations as the method states them.
     """
     method = _stating(model, uncertainties, name, learned)
-    if not calibrate:
+    if not intervals:
         return method
-    if intervals and with_network(method.name):
+    if with_network(method.name):
         raise ConfigurationError('intervals', 'go with methods without a network, not with '
                                  f'{method.name}, which brings its own', intervals)
-    folder = find_shared(intervals, 'learned') if intervals else shipped_artefact(
-        model.robot, kind_of(method.name))
-    if folder is None:
-        return method
+    folder = find_shared(intervals, 'learned')
     return Calibrated(method, read_intervals(folder, model.robot, method.name))
 
 

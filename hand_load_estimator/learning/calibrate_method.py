@@ -61,8 +61,7 @@ class MethodAnswers:
 
     def _answers(self, model, sequence):
         """Return mean, std (J, 10) after the samples ends (J,)."""
-        method = build_method(model, sequence.columns.shape[2] - 10, self.method, self.learned,
-                              calibrate=False)
+        method = build_method(model, sequence.columns.shape[2] - 10, self.method, self.learned)
         ends = judged_samples(len(sequence.motion))
         told = set(ends.tolist())
         beliefs = []
@@ -90,8 +89,7 @@ def calibrate_method(model_path, folder, recipe, write=print):
             'networks are calibrated when they are trained')
     began, model = time.time(), read_model(model_path)
     # Before the first of many sequences: what it learned may not fit the model.
-    build_method(model, ModelFollower(model).uncertainties, recipe.method, recipe.learned,
-                 calibrate=False)
+    build_method(model, ModelFollower(model).uncertainties, recipe.method, recipe.learned)
     job = job_of(model_path, recipe)
     spans = {'calibration': seeds.CALIBRATION[:recipe.calibration],
              'validation': seeds.VALIDATION[:recipe.validation]}

@@ -79,8 +79,8 @@ class Loss:
     """
     The divergence between labels and answers (E6.1), averaged over judged times.
 
-    Each is followed by the deviation stated with it, held fixed (Seitzer et al. 2022, beta = 0.5): else
-    what is known well drowns what is not known yet, which then never is.
+    Each is followed by the deviation stated with it, held fixed (Seitzer et al. 2022, beta = 0.5):
+    else what is known well drowns what is not known yet, which then never is.
 
     shards: their number, which with the passes tells how far a training is.
     """

@@ -13,9 +13,9 @@ ESTIMATOR_PARAMETERS = (
     Parameter('learned', '', 'folder of the learned artefact, or short name of a shipped one; '
               'empty: the shipped one for the method and the robot\'s joints and effort kind '
               '(gp_...: for the model)'),
-    Parameter('intervals', '', 'folder of the calibrated intervals of a method without a network, '
-              'or short name of shipped ones; empty: those shipped for the method and the robot, '
-              'if any'),
+    Parameter('intervals', '', 'folder of the calibrated intervals (`hand_load calibrate`) of a '
+              'method without a network, or short name of shipped ones, which are of simulated '
+              'arms; empty: as the method states them'),
     Parameter('tool', '', 'load file of a known tool, which may state `std`; the estimate is what '
               'is held beside it; empty: none'),
     Parameter('checkpoint', '', 'file in which the estimate survives a restart or kill, written '
