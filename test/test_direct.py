@@ -18,8 +18,8 @@ from hand_load_estimator.learning.direct_design import design_for, NETWORKS
 from hand_load_estimator.learning.direct_network import build_network, Judge
 from hand_load_estimator.learning.direct_shards import load_torque, make_direct_shard
 from hand_load_estimator.learning.direct_training import DirectRecipe, Loss
-from hand_load_estimator.learning.first_moments import (message_of, message_prior,
-                                                        moments_prior)
+from hand_load_estimator.learning.first_moments import (LABEL_STD, message_of,
+                                                        message_prior, moments_prior)
 from hand_load_estimator.learning.sequences import SequenceMaker
 from hand_load_estimator.learning.stated_factors import calibrated
 from hand_load_estimator.learning.stated_intervals import calibrate_stated, factors_of
@@ -53,11 +53,11 @@ def test_a_new_network_answers_the_prior(robot, name):
     assert mean.shape == std.shape == (2, 40, 10)
     for said, known in zip((mean, std), moments_prior(prior)):
         np.testing.assert_allclose(said, np.broadcast_to(known, (2, 40, 10)), rtol=1e-5)
+    mean, std, _ = Judge(robot, network)(inputs(robot))
+    np.testing.assert_allclose(mean[..., :4], np.broadcast_to(prior.mean[:4], (2, 40, 4)),
+                               rtol=1e-4)
     if name != 'dropout':   # Copies that say nothing do not scatter.
-        mean, std, _ = Judge(robot, network)(inputs(robot))
-        np.testing.assert_allclose(mean[..., :4], np.broadcast_to(
-            prior.mean[:4], (2, 40, 4)), rtol=1e-5)
-        assert (std[..., 1:4].numpy() > 0.5 * prior.std[1:4]).all()
+        assert (std[..., 1:4].numpy() > 0.8 * prior.std[1:4]).all()
 
 
 @pytest.mark.parametrize('name', RECURRENT)
@@ -255,6 +255,24 @@ def test_E6_1_training_lowers_the_divergence(robot, shard, name, kind, least):
         optimiser.step()
         values.append(value.item())
     assert values[-1] < values[0] - least, values
+
+
+def test_what_is_known_well_does_not_drown_the_rest(robot):
+    """The loss is the divergence; its gradient goes by the deviation stated."""
+    network = network_of(robot, design_of(robot))
+    loss = Loss(robot, DirectRecipe(network.design), 1)
+    mean = network.centre.expand(1, 1, 10).clone().requires_grad_()
+    share = torch.full((10,), 0.5)
+    share[0] = 0.01
+    truth = network.centre + 0.3 * network.scale
+    value = loss._divergence(mean, (share * network.scale)[None, None], truth[None], network.scale)
+    value.backward()
+    gradient = (mean.grad[0, 0] * network.scale).abs()
+    # Plain, the divergence of a hundredth of the prior's deviation would pull 2500 times as hard.
+    assert gradient[0] / gradient[4] == pytest.approx(0.5 / 0.01, rel=1e-3)
+    std = share * network.scale
+    plain = 0.5 * ((0.3 * network.scale) ** 2 + torch.tensor(LABEL_STD) ** 2) / std ** 2
+    assert value.item() == pytest.approx((plain + torch.log(std)).mean().item(), rel=1e-4)
 
 
 def test_every_step_draws_other_loads(robot, shard):

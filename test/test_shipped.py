@@ -1,5 +1,7 @@
 """What is shipped for the default robot is there, fits, and is what it says."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -7,10 +9,10 @@ from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import cases
 from hand_load_estimator.benchmark.contestants import our_contestants, SUBSET
 from hand_load_estimator.errors import ConfigurationError
-from hand_load_estimator.estimators.build import (build_pipeline, shipped_artefact,
-                                                  shipped_difference)
+from hand_load_estimator.estimators.build import (build_method, build_pipeline,
+                                                  shipped_artefact, shipped_difference)
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.registry import ON_DIFFERENCE
+from hand_load_estimator.estimators.registry import METHODS, ON_DIFFERENCE, with_network
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.difference_artefact import read_difference
@@ -19,6 +21,7 @@ from hand_load_estimator.learning.direct_design import NETWORKS
 from hand_load_estimator.load import MESSAGE_ORDER
 from hand_load_estimator.robot import load_robot
 from hand_load_estimator.torque.model_file import read_model
+from hand_load_estimator.torque.model_follower import ModelFollower
 
 
 def test_the_default_robot_has_a_model_and_an_artefact_that_fit():
@@ -47,7 +50,7 @@ def test_the_artefact_is_small_and_its_card_tells_recipe_seed_and_scores():
 def test_the_shipped_model_has_a_learned_difference_of_its_own():
     model = read_model(find_shared('ur10e', 'models'))
     folder = shipped_difference(model)
-    assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 1e6
     card = read_difference(folder, model).card
     assert card['function'] == 'gp' and card['recordings'] == model.recording_names
     for name in ON_DIFFERENCE:
@@ -116,3 +119,16 @@ def test_every_shipped_direct_network_weighs_what_is_held(network, light_and_hea
         for sample in samples:
             belief = contestant.update(sample)
         assert abs(belief.mean[0] - load.mass) < 0.2 * abs(expected - load.mass)
+
+
+@pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
+def test_every_method_without_a_network_has_calibrated_intervals_to_ask_for(method):
+    """They hold about 95 % of draws that they were not made from, and the prior stays."""
+    model = read_model(find_shared('ur10e', 'models'))
+    folder = find_shared(f'ur10e_{method}_intervals', 'learned')
+    held = json.loads((folder / 'card.json').read_text())['held_out']['coverage_of_95']
+    assert all(0.92 < share < 0.98 for share in held.values()), held
+    size = ModelFollower(model).uncertainties
+    plain, ours = (build_method(model, size, method, intervals=chosen).belief().covariance
+                   for chosen in (None, str(folder)))
+    np.testing.assert_allclose(ours, plain, rtol=1e-6)

@@ -6,12 +6,11 @@ import numpy as np
 import pinocchio as pin
 
 from ..errors import ConfigurationError
-from ..estimators.build import build_method, shipped_artefact
+from ..estimators.build import build_method
 from ..estimators.physical_consistency import published
 from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
 from ..files.shared_files import share_folder
 from ..learning.difference_artefact import PREDICTORS
-from ..learning.intervals import kind_of
 from ..torque.model_follower import ModelFollower
 from .cases import untold
 from .rivals import FixedLoad, LeastSquares
@@ -91,8 +90,7 @@ def our_contestants(model, names, learned, difference=None):
     learned: artefact of the default method, or None for the shipped one; difference: {function:
     folder} of the torque difference learned for this model, without which the methods on one stay
     out. A method without an artefact for this robot falls back on another: it stands once, under
-    the name of that; SUBSET, which none can stand for, stays out. Methods without a network have
-    the intervals shipped for the arm, if any: these are simulated arms, as those are.
+    the name of that; SUBSET, which none can stand for, stays out.
     """
     out, difference = {}, difference or {}
     for name in names:
@@ -106,8 +104,7 @@ def our_contestants(model, names, learned, difference=None):
             if not own.is_dir():
                 continue
         contestant = Contestant(
-            model, lambda f, n=method, o=own: build_method(
-                model, f.uncertainties, n, o, shipped_artefact(model.robot, kind_of(n))))
+            model, lambda f, n=method, o=own: build_method(model, f.uncertainties, n, o))
         ran = contestant.method.name
         out.setdefault(ran if ran in METHODS and not function and name != SUBSET else name,
                        contestant)

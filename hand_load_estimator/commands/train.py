@@ -36,7 +36,7 @@ def add_arguments(parser):
                         help='parameters it answers, of m, x, y, z, ixx, ixy, ixz, iyy, iyz, izz '
                              '(default all; not for lstm)')
     parser.add_argument('--hidden', type=int, default=None, metavar='N',
-                        help='units of a hidden layer (default 48; not for lstm)')
+                        help='units of a hidden layer (default 96; not for lstm)')
     parser.add_argument('--layers', type=int, default=None, metavar='N',
                         help='hidden layers: recurrent ones, or those behind the window (default '
                              '1; not for lstm)')
@@ -52,7 +52,7 @@ def add_arguments(parser):
     parser.add_argument('--passes', type=int, default=None, metavar='N',
                         help='passes over them (default 9, to fine-tune 3; 0 calibrates anew and '
                              'nothing else: the weights of --start-from or, without, the '
-                             'regression alone, whose network then says nothing; 60 for the '
+                             'regression alone, whose network then says nothing; 120 for the '
                              'others, at least 1)')
 
 

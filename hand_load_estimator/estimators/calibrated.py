@@ -12,12 +12,18 @@ class Calibrated:
     """
     A Method that states the deviations of another with factors on them, correlations kept.
 
-    Whatever it does besides is the other's: it looks for changes, contacts and mismatch with what
-    that one states, and a checkpoint of either serves both.
+    What of load changes, contacts and torques that do not fit it says is the other's, and a
+    checkpoint of either serves both; what is determined, whether a mass is possible and how far
+    the residual watch trusts the load follow the deviations stated here.
+
+    method: as built, before any data. Draws were judged from the first motion on: from what was
+    known of the mass then to what is believed of it before, all factors go over into 1.
     """
 
     def __init__(self, method, intervals):
         self._method, self._intervals = method, intervals
+        self._before = 0.5 * np.log(method.belief().covariance[0, 0])
+        self._way = max(self._before - intervals.knots[0, -1], 1e-6)
 
     def __getattr__(self, name):
         if name.startswith('_'):
@@ -35,5 +41,6 @@ class Calibrated:
     def _true(self, belief):
         std = np.sqrt(np.diagonal(belief.covariance))
         wide = calibrated(std, ALL, self._intervals.knots, self._intervals.factors)
-        factor = wide / np.maximum(std, 1e-300)
+        known = np.clip((self._before - np.log(std[0])) / self._way, 0.0, 1.0)
+        factor = (wide / std) ** known
         return Belief(belief.mean, belief.covariance * np.outer(factor, factor))
