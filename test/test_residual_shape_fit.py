@@ -8,8 +8,8 @@ from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.effects.torque_ripple import waves
 from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.shape_doubt import shape_doubt
 from hand_load_estimator.residual.tracing.shape_fit import settled
-from hand_load_estimator.residual.tracing.shape_std import shape_std
 
 
 def late(run: Hidden):
@@ -76,9 +76,11 @@ def test_an_effect_without_the_shapes_it_may_have_stays_as_it_is():
     # Friction with the load, turning as all friction does: on real arms this ended in a traceback.
     model, plain = declared_model(), {'travel': np.inf, 'power': np.inf}
     residual = find_residual(model, recorded(on(1, 5.0, late)))
-    start = Hypothesis('load_dependent_friction', 1, {1: residual.x.sign[:, 1:2]}, 1.0, plain)
+    start = Hypothesis('load_dependent_friction', 1, {1: residual.x.sign[:, 1:2]},
+                       np.ones(1), plain)
     blocks = residual.blocks()
     score = blocks.evaluate(start.columns)
     assert settled(start, score, blocks, model, residual, lambda _, of: of.gain) == (
         (start, score), 0)
-    assert shape_std(start, blocks, model, residual) == {}
+    doubt = shape_doubt(start, blocks, model, residual)
+    assert doubt.std == {} and not doubt.of_parameters.any()

@@ -12,7 +12,7 @@ from .doubts.unknown import left_over
 from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
 from .tracing.confusable import advice, NO_MOTION, same_torque
-from .tracing.shape_std import shape_std
+from .tracing.shape_doubt import shape_doubt
 
 _MOST_PICTURES = 3
 # At one temperature, which parameters are not stated at, an effect is as its change with it.
@@ -35,17 +35,17 @@ def findings_of(model, better, trace, odd=()):
     for step in trace.steps:
         blocks = trace.beside(step)
         found.append(_finding((model, better), trace, step, blocks, odd,
-                              _shape_std(step.chosen, blocks, model, trace.residual)))
+                              _shape_doubt(step.chosen, blocks, model, trace.residual)))
     return tuple(found)
 
 
-def _shape_std(candidate, blocks, model, residual):
-    """Return {joint index: {shape: standard deviation}} of what was searched."""
+def _shape_doubt(candidate, blocks, model, residual):
+    """Return {joint index: ShapeDoubt} of what was searched."""
     found = {}
     for hypothesis in hypotheses_of(candidate):
         if hypothesis.shape and KNEE.name not in hypothesis.shape:
-            std = shape_std(hypothesis, blocks, model, residual)
-            found |= dict.fromkeys(hypothesis.columns, std)
+            doubt = shape_doubt(hypothesis, blocks, model, residual)
+            found |= dict.fromkeys(hypothesis.columns, doubt)
     return found
 
 
@@ -199,7 +199,7 @@ def _parameters(model, better, chosen, searched):
     for hypothesis, _ in chosen.parts:
         joint = '' if len(chosen.parts) == 1 else f' ({model.robot.joints[hypothesis.joint]})'
         values = _of_link(model, better, hypothesis) if chosen.name == 'link_inertia' \
-            else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint, {}))
+            else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint))
         out |= {name + joint: value for name, value in values.items()}
     return out
 
@@ -219,6 +219,8 @@ def _of_effect(model, better, hypothesis, searched):
         return {}
     use, where = new
     mean, covariance = better.mean[where], better.covariance[where, where]
+    if searched is not None:
+        covariance = covariance + searched.of_parameters
     std = np.sqrt(np.diag(covariance))
     out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
     # A share of another delay, a peak at another velocity is no change of the old one.
@@ -229,7 +231,7 @@ def _of_effect(model, better, hypothesis, searched):
     if effect.derived:
         out |= _derived(effect, use.shape, mean, covariance)
     # A knee is estimated with the parameters, any other shape was searched: now, or once before.
-    std = {**use.shape_std, **searched}
+    std = {**use.shape_std, **(searched.std if searched is not None else {})}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 

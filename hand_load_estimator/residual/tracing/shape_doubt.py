@@ -1,5 +1,11 @@
-"""How well a searched shape is known: from the curvature of what it gains, around its value."""
+"""
+How well a searched shape is known: from the curvature of what it gains, around its value.
 
+What is not known of a shape is not known of the effect's own parameters either: a peak's level
+goes with the velocity at which it falls.
+"""
+
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -15,20 +21,37 @@ FIRST, WIDEST, FACTORS, TURNS = 0.06, 0.5, (0.01, 4.0), 8
 LEAST = 1e-3   # [nats] a direction of curvature costs at least, for one such step
 
 
-def shape_std(hypothesis, blocks, model, residual):
+@dataclass(frozen=True)
+class ShapeDoubt:
     """
-    Return {name: standard deviation} of a Hypothesis' shape, in the shape's units.
+    What is not known of a Hypothesis' shape.
+
+    std: {name: standard deviation} in the shape's units, NaN where the gain has no curvature of a
+    maximum; of_parameters (k, k): covariance that this adds to that of the effect's own
+    parameters, in theirs; nothing for what has no maximum.
+    """
+
+    std: dict
+    of_parameters: np.ndarray
+
+
+def shape_doubt(hypothesis, blocks, model, residual):
+    """
+    Return the ShapeDoubt of a Hypothesis.
 
     blocks: Blocks with everything else that was found; the effect's own parameters are fitted
-    again for every trial. NaN where the gain has no curvature of a maximum.
+    again for every trial.
     """
-    names = list(searched(hypothesis))
+    names, own = list(searched(hypothesis)), len(hypothesis.scale)
     if not names:
-        return {}
+        return ShapeDoubt({}, np.zeros((own, own)))
+
+    def scores(steps):
+        return [blocks.evaluate(trial.columns) for trial in reshaped(
+            hypothesis, [tuple(factors) for factors in np.exp(steps)], model, residual)]
 
     def gains(steps):
-        return np.array([blocks.evaluate(trial.columns).by_block for trial in reshaped(
-            hypothesis, [tuple(factors) for factors in np.exp(steps)], model, residual)])
+        return np.array([score.by_block for score in scores(steps)])
     here = gains(np.zeros((1, len(names)))).sum()
     widths, falls, slopes = _steps(gains, here, len(names))
     cost = np.diag(2.0 * falls)
@@ -41,8 +64,13 @@ def shape_std(hypothesis, blocks, model, residual):
         mixed = gains((signs * widths).reshape(-1, len(names))).sum(axis=1).reshape(-1, 4)
         for (i, j), bend in zip(pairs, -mixed @ [1.0, 1.0, -1.0, -1.0] / 4.0):
             cost[i, j] = cost[j, i] = bend
-    std = _std(cost, slopes)
-    return {name: abs(hypothesis.shape[name]) * part for name, part in zip(names, widths * std)}
+    covariance = _covariance(cost, slopes)
+    std = widths * np.sqrt(np.diag(covariance))
+    up, down = (np.array([score.theta for score in scores(sign * np.diag(widths))])
+                for sign in (1.0, -1.0))
+    moved = 0.5 * (up - down) * hypothesis.scale
+    return ShapeDoubt({name: abs(hypothesis.shape[name]) * part for name, part in zip(names, std)},
+                      moved.T @ np.nan_to_num(covariance) @ moved)
 
 
 def _steps(gains, here, size):
@@ -64,13 +92,13 @@ def _steps(gains, here, size):
     return widths, falls, np.array(slopes)
 
 
-def _std(cost, slopes):
+def _covariance(cost, slopes):
     """
-    Return standard deviations (k,) in steps, NaN where nothing is told.
+    Return the covariance (k, k) in steps, NaN where nothing is told.
 
     cost (k, k): half of x^T cost x nats are lost x steps away; slopes (k, B) [nats] by block.
     """
-    kept, out = list(range(len(cost))), np.full(len(cost), np.nan)
+    kept, out = list(range(len(cost))), np.full(cost.shape, np.nan)
     while kept:
         part = cost[np.ix_(kept, kept)]
         if np.linalg.eigvalsh(part).min() > LEAST:
@@ -79,7 +107,9 @@ def _std(cost, slopes):
             # ends a little beside the best.
             spread = inverse @ slopes[kept]
             by_block = spread.shape[1] * spread.var(axis=1)
-            out[kept] = np.sqrt(np.maximum(np.diag(inverse), by_block) + spread.sum(axis=1) ** 2)
+            variance = np.maximum(np.diag(inverse), by_block) + spread.sum(axis=1) ** 2
+            wider = np.sqrt(variance / np.diag(inverse))
+            out[np.ix_(kept, kept)] = wider[:, None] * inverse * wider
             break
         # What has no maximum has no interval, and must not widen those of the others.
         kept.remove(min(kept, key=lambda k: cost[k, k]))
