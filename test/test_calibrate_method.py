@@ -111,7 +111,7 @@ def test_factors_come_on_deviations_and_leave_correlations(model):
     knots = np.tile(np.linspace(-9.0, -1.0, RANGES), (10, 1))
     factors = np.ones((10, RANGES))
     factors[0], factors[5] = 3.0, 0.5
-    ours = Calibrated(plain, Intervals(knots, factors))
+    ours = Calibrated(plain, Intervals(knots, factors), model)
     np.testing.assert_array_equal(ours.belief().covariance, plain.belief().covariance)
     stream = messages(exact_model('four'), block(2.0), 1.5)
     pipeline = Pipeline(model, follower, ours, build.determined_std(model.robot))
@@ -130,7 +130,10 @@ def test_what_is_surer_has_its_own_factor(model):
     class Stated:
         """A method that states one deviation of everything."""
 
-        std = 10.0
+        name, std = 'bayes', 10.0
+
+        def state(self):
+            return {}
 
         def belief(self):
             return Belief(np.zeros(10), self.std ** 2 * np.eye(10))
@@ -138,7 +141,7 @@ def test_what_is_surer_has_its_own_factor(model):
     factors = np.tile(np.linspace(1.0, 2.0, RANGES), (10, 1))
     intervals = Intervals(np.tile(np.linspace(-5.0, 0.0, RANGES), (10, 1)), factors)
     method = Stated()
-    ours = Calibrated(method, intervals)
+    ours = Calibrated(method, intervals, model)
     # The last two: half way, in e-folds of the mass, to what is believed before any data; there.
     for std, factor in ((np.exp(-2.5), 1.5), (1e-9, 1.0), (1.0, 2.0), (10.0 ** 0.5, 2.0 ** 0.5),
                         (10.0, 1.0)):
@@ -160,7 +163,8 @@ def test_E10_1_the_folder_is_all_that_is_handed_over(made):
     assert sorted(p.name for p in folder.rglob('*')) == ['card.json', 'intervals.safetensors']
     card = json.loads((folder / 'card.json').read_text())
     assert card['network'] == 'intervals of bayes' and card['recipe']['calibration'] == 16
-    assert set(card['held_out']) >= {'coverage_of_95', 'coverage_of_95_as_stated'}
+    assert set(card['held_out']) >= {'coverage_of_95', 'coverage_of_95_as_stated',
+                                     'coverage_of_95_over_time'}
 
 
 def test_the_estimator_states_them_and_finds_the_same_load(made):
@@ -174,6 +178,19 @@ def test_the_estimator_states_them_and_finds_the_same_load(made):
     least, most = (np.minimum(factors.min(axis=1), 1.0), np.maximum(factors.max(axis=1), 1.0))
     assert (ratio > 0.99 * least).all() and (ratio < 1.01 * most).all()
     assert np.abs(ratio - 1.0).max() > 0.01
+
+
+def test_which_intervals_are_at_work_is_told(made, model):
+    """And where they were made around another model, or without what was learned since."""
+    out = made[0]
+    plain, ours = (build_pipeline(out / 'model.yaml', 'bayes', intervals=folder).intervals
+                   for folder in (None, str(out / 'whole')))
+    assert (plain, ours) == ('as the method has them', 'whole')
+    intervals = read_intervals(out / 'whole', model.robot, 'bayes')
+    assert intervals.told({**intervals.origin, 'model': 'x'}) \
+        == 'whole, made with another torque model'
+    assert intervals.told({'model': 'x', 'function': [1.0]}) \
+        == 'whole, made with another torque model and learned torque difference'
 
 
 def test_a_checkpoint_goes_from_stated_to_calibrated_intervals_and_back(made):

@@ -78,7 +78,7 @@ def build_method(model, uncertainties, name, learned=None, intervals=None):
         raise ConfigurationError('intervals', 'go with methods without a network, not with '
                                  f'{method.name}, which brings its own', intervals)
     folder = find_shared(intervals, 'learned')
-    return Calibrated(method, read_intervals(folder, model.robot, method.name))
+    return Calibrated(method, read_intervals(folder, model.robot, method.name), model)
 
 
 def _stating(model, uncertainties, name, learned):

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ..learning.stated_factors import calibrated
+from ..learning.intervals import origin_of
 from .method import Belief
-
-ALL = range(10)
+from .registry import with_network
 
 
 class Calibrated:
@@ -16,14 +15,13 @@ class Calibrated:
     checkpoint of either serves both; what is determined, whether a mass is possible and how far
     the residual watch trusts the load follow the deviations stated here.
 
-    method: as built, before any data. Draws were judged from the first motion on: from what was
-    known of the mass then to what is believed of it before, all factors go over into 1.
+    method: as built for a TorqueModel, before any data. intervals: in words, which.
     """
 
-    def __init__(self, method, intervals):
-        self._method, self._intervals = method, intervals
-        self._before = 0.5 * np.log(method.belief().covariance[0, 0])
-        self._way = max(self._before - intervals.knots[0, -1], 1e-6)
+    def __init__(self, method, intervals, model):
+        self._method, self._factors = method, intervals
+        self.intervals = intervals.told(origin_of(model, method))
+        self._before = np.sqrt(method.belief().covariance[0, 0])
 
     def __getattr__(self, name):
         if name.startswith('_'):
@@ -40,7 +38,12 @@ class Calibrated:
 
     def _true(self, belief):
         std = np.sqrt(np.diagonal(belief.covariance))
-        wide = calibrated(std, ALL, self._intervals.knots, self._intervals.factors)
-        known = np.clip((self._before - np.log(std[0])) / self._way, 0.0, 1.0)
-        factor = (wide / std) ** known
+        factor = self._factors.of(std, self._before)
         return Belief(belief.mean, belief.covariance * np.outer(factor, factor))
+
+
+def intervals_of(method):
+    """Return in words where the deviations that a Method states come from."""
+    if isinstance(method, Calibrated):
+        return method.intervals
+    return 'calibrated with the network' if with_network(method.name) else 'as the method has them'

@@ -54,8 +54,8 @@ def estimate_recording(pipeline, recording):
     final = pipeline.estimate(0.0 if stamp is None else stamp)
     std = final.std
     return {
-        'schema': SCHEMA, 'method': pipeline.method.name, 'status': final.status,
-        'reason': final.reason, 'frame': pipeline.model.robot.load_frame,
+        'schema': SCHEMA, 'method': pipeline.method.name, 'intervals': pipeline.intervals,
+        'status': final.status, 'reason': final.reason, 'frame': pipeline.model.robot.load_frame,
         'mass': {'mean': float(final.mean[0]), 'std': float(std[0])},
         'com': {'mean': final.mean[1:4].tolist(), 'std': std[1:4].tolist()},
         'inertia': {'mean': final.mean[4:].tolist(), 'std': std[4:].tolist()},

@@ -6,6 +6,7 @@ from ..errors import HandLoadError
 from ..load import LoadEstimate
 from ..stream.joint_stream import JointStream
 from ..stream.rejected_input import in_words, joint_states_of
+from .calibrated import intervals_of
 from .impossible_mass import impossible_mass
 from .method import checked
 from .physical_consistency import published
@@ -70,6 +71,11 @@ class Pipeline:
     def samples(self):
         """Number of joint states used."""
         return self._stream.accepted
+
+    @property
+    def intervals(self):
+        """In words where the method's standard deviations come from."""
+        return intervals_of(self.method)
 
     @property
     def load_id(self):

@@ -66,21 +66,26 @@ def read_artefact(folder, robot):
     return Artefact({k: v.astype(float) for k, v in tensors.items()}, calibration, card)
 
 
-def read_files(folder, name, robot, network):
-    """Return card and tensors of a folder; the card must be the robot's and the network's."""
+def read_files(folder, name, robot, network, again='make one with `hand_load train`'):
+    """
+    Return card and tensors of a folder; the card must be the robot's and the network's.
+
+    again: what to do where it is not.
+    """
     allowed = f'a folder with {name} and {CARD}'
-    card = _read(folder, lambda: json.loads((folder / CARD).read_text(encoding='utf-8')), allowed)
+    card = _read(folder, lambda: json.loads((folder / CARD).read_text(encoding='utf-8')), allowed,
+                 again)
     # First: another network's tensors have another name.
-    _check_card(folder, card, robot, network)
-    return card, _read(folder, lambda: load_file(folder / name), allowed)
+    _check_card(folder, card, robot, network, again)
+    return card, _read(folder, lambda: load_file(folder / name), allowed, again)
 
 
-def _read(folder, read, allowed):
+def _read(folder, read, allowed, again):
     try:
         return read()
     except Exception as error:
         raise ConfigurationError(folder, f'is not a learned artefact ({error})', allowed=allowed,
-                                 todo='make one with `hand_load train`') from None
+                                 todo=again) from None
 
 
 def network_of(card):
@@ -113,13 +118,13 @@ def not_of(card, robot):
     return ('belongs to another arm', apart, robot.name) if apart else None
 
 
-def _check_card(folder, card, robot, network):
+def _check_card(folder, card, robot, network, again):
     """Refuse a card that is not of this schema, robot and network."""
     if not isinstance(card, dict) or card.get('schema') != SCHEMA:
         raise ConfigurationError(folder / CARD, 'has another schema',
                                  card.get('schema') if isinstance(card, dict) else card, SCHEMA)
     if other := not_of(card, robot):
-        raise ConfigurationError(folder / CARD, *other, 'train one for this robot')
+        raise ConfigurationError(folder / CARD, *other, again)
     if network_of(card) != network:
         raise ConfigurationError(folder / CARD, 'is another network', network_of(card), network,
                                  f'take method {network_of(card)}')

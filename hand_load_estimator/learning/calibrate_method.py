@@ -6,7 +6,7 @@ as in the estimator, and its stated deviations get the factors that hold 95 % th
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,14 +20,13 @@ from ..torque.model_file import read_model
 from ..torque.model_follower import ModelFollower
 from .artefact import arm_of
 from .drawn_stream import drawn_stream
-from .intervals import Intervals, kind_of, write_intervals
+from .intervals import Intervals, kind_of, origin_of, write_intervals
 from .sequences import DURATION
 from .shards import read_shard
-from .stated_intervals import (Answers, calibrate_stated, errors_of, judged_samples, scores_of)
+from .stated_factors import ALL
+from .stated_intervals import (Answers, calibrate_stated, coverage_over_time, errors_of,
+                               judged_samples, scores_of)
 from .training_loop import begin_work, end_work, job_of, make_sequences
-
-ALL = range(10)
-
 
 @dataclass(frozen=True)
 class CalibrationRecipe:
@@ -89,15 +88,18 @@ def calibrate_method(model_path, folder, recipe, write=print):
             'networks are calibrated when they are trained')
     began, model = time.time(), read_model(model_path)
     # Before the first of many sequences: what it learned may not fit the model.
-    build_method(model, ModelFollower(model).uncertainties, recipe.method, recipe.learned)
+    method = build_method(model, ModelFollower(model).uncertainties, recipe.method,
+                          recipe.learned)
     job = job_of(model_path, recipe)
     spans = {'calibration': seeds.CALIBRATION[:recipe.calibration],
              'validation': seeds.VALIDATION[:recipe.validation]}
     work = begin_work(folder, job, spans)
     paths = make_sequences(model_path, work, spans,
                            MethodAnswers(recipe.method, recipe.learned), write)
-    intervals = Intervals(*calibrate_stated(_read(paths['calibration']), ALL))
-    scores = _scores(_read(paths['validation']), intervals)
+    intervals = Intervals(*calibrate_stated(_read(paths['calibration']), ALL),
+                          origin=origin_of(model, method))
+    scores = _scores(_read(paths['validation']), intervals,
+                     np.sqrt(method.belief().covariance[0, 0]))
     write_intervals(folder, intervals, {
         'name': f'{kind_of(recipe.method)} for {model.robot.name}', **arm_of(model.robot),
         'network': kind_of(recipe.method),
@@ -117,8 +119,10 @@ def _read(paths):
     return Answers(error, std, severe > 0.5)
 
 
-def _scores(answers, intervals):
+def _scores(answers, intervals, before):
+    """Return the scores of Answers with factors as Calibrated puts them, and without."""
+    with_them = replace(answers, stds=answers.stds * intervals.of(answers.stds, before))
     stated = np.zeros_like(intervals.knots), np.ones_like(intervals.factors)
-    scores = scores_of(answers, ALL, intervals.knots, intervals.factors)
-    return {**scores, 'coverage_of_95_as_stated':
-            scores_of(answers, ALL, *stated)['coverage_of_95']}
+    return {**scores_of(with_them, ALL, *stated),
+            'coverage_of_95_over_time': coverage_over_time(with_them),
+            'coverage_of_95_as_stated': scores_of(answers, ALL, *stated)['coverage_of_95']}

@@ -9,6 +9,8 @@ import numpy as np
 
 # Stated deviations are parted into so many equally frequent ranges, each with its factor.
 RANGES = 6
+# Places of all parameters.
+ALL = range(10)
 # No logarithm of nothing, where thinned networks agree to the last bit.
 LEAST_STD = 1e-9
 

@@ -88,5 +88,13 @@ def scores_of(answers, picked, knots, factors):
     return scores
 
 
+def coverage_over_time(answers):
+    """Return {time: share within 95 %}, all parameters, arms without an undeclared effect."""
+    told = [JUDGED.index(k) for k in TOLD]
+    errors, stds = (x[~answers.severe][:, told] for x in (answers.errors, answers.stds))
+    inside, known = np.abs(errors) < NORMAL_95 * stds, np.isfinite(errors)
+    return _over_time(inside.sum(axis=(0, 2)) / np.maximum(known.sum(axis=(0, 2)), 1))
+
+
 def _over_time(values):
     return {f'{(k + 1) / 10:g} s': round(float(value), 4) for k, value in zip(TOLD, values)}

@@ -184,7 +184,8 @@ class EstimatorNode(Node):
     def _status_of(self, name, estimate, age):
         return estimate_status(name, estimate, age, self._pipeline.method.name,
                                self._pipeline.tared_mass,
-                               {TOOL: self._pipeline.tool_mass,
+                               {'intervals': self._pipeline.intervals,
+                                TOOL: self._pipeline.tool_mass,
                                 'checkpoint': self._checkpoint.told,
                                 **self._pipeline.reliability})
 
