@@ -59,6 +59,15 @@ def test_what_is_left_is_confirmed_where_it_rings(size, after, verdict):
         assert not found.parameters and not found.explained.any()
 
 
+def test_a_swing_that_a_joint_does_not_show_is_confirmed_where_it_rings():
+    ringing, rest = unknowns(lambda noise, time: noise + np.array([3.0, 3.0, 0.0]) * noise.std()
+                             * np.sin(2.0 * np.pi * 1.3 * time)[:, None], structure({}))
+    assert (ringing.verdict, ringing.variables, ringing.joints) == (
+        CONFIRMED, ('time',), NAMES[:2])
+    assert ringing.parameters['frequency'][0] == pytest.approx(1.3, rel=0.05)
+    assert (rest.verdict, rest.joints, rest.parameters) == (SUSPECTED, NAMES[2:], {})
+
+
 def test_temperature_and_the_motion_of_any_joint_are_variables_too():
     found = unknowns(lambda noise, _: noise, OTHERS)
     assert {f.joints: f.variables for f in found} == {

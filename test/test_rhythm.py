@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from ringing_helpers import NEEDED, recorded
 
-from hand_load_estimator.residual.measured.rhythm import rhythm
+from hand_load_estimator.residual.measured.rhythm import rhythm, ringing
 
 
 @pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
@@ -54,6 +54,15 @@ def test_one_joint_that_rings_is_no_account_of_the_others():
     noise[:, 0] += 10.0 * np.sin(2.0 * np.pi * 1.2 * time)
     assert not rhythm(noise, speed, dt, owner).sure(NEEDED)
     assert rhythm(noise[:, :1], speed[:, :1], dt, owner).sure(NEEDED)
+    found, columns = ringing(noise, speed, dt, owner, NEEDED)
+    assert columns == [0] and found.frequency == pytest.approx(1.2, rel=0.05)
+
+
+@pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
+def test_no_joint_of_coloured_noise_is_picked_out(memory):
+    for seed in range(6):
+        noise, speed, dt, owner, _ = recorded(seed, memory)
+        assert ringing(noise, speed, dt, owner, NEEDED / 4.0) is None
 
 
 def test_short_recordings_and_silence_tell_nothing():

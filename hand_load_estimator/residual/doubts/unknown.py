@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN, Evidence, Finding
-from ..measured.rhythm import rhythm
+from ..measured.rhythm import ringing
 from ..measured.structure import followed, TEMPERATURE
 from ..pictures_left import pictures_left
 from ..tracing.trace import UNKNOWN_FACTOR
@@ -48,10 +48,10 @@ def unknown_left(model, residual, rest, left, trace, structure):
     Return Findings for joints no effect explains: of the variable they follow, or in time.
 
     Of a variable it is confirmed where that tells surely more than what is named (function_left).
-    Joints without a variable of their own are one finding: confirmed where they ring, which
-    recordings tell that did not choose the frequency. Else what they follow is asked of structure,
-    (Structure before, Structure after), which knows temperature and the motion of all joints;
-    where that says nothing, either, all that is known is that time goes on.
+    Joints without a variable of their own that ring are one finding, confirmed, as recordings tell
+    that did not choose the frequency. What others follow is asked of structure, (Structure before,
+    Structure after), which knows temperature and the motion of all joints; where that says
+    nothing, either, all that is known is that time goes on.
     """
     known = {j for step in trace.steps for j in step.chosen.joints
              if step.chosen.name == UNKNOWN}
@@ -71,12 +71,14 @@ def unknown_left(model, residual, rest, left, trace, structure):
     if not restless:
         return tuple(found)
     motion = np.hstack([residual.x.v, residual.x.a])
-    rings = rhythm(rest[:, restless], motion, residual.dt, residual.owner)
     needed = UNKNOWN_FACTOR * trace.needed
-    if rings is not None and rings.sure(needed):
-        evidence = Evidence(rings.gain, rings.gain_std, needed, len(rings.gains), trace.trials,
+    rings = ringing(rest[:, restless], motion, residual.dt, residual.owner, needed)
+    if rings is not None:
+        rhythm, those = rings[0], [restless[k] for k in rings[1]]
+        evidence = Evidence(rhythm.gain, rhythm.gain_std, needed, len(rhythm.gains), trace.trials,
                             np.nan)
-        return (*found, _ringing(found_in(restless, 'time', evidence), rings, restless))
+        found.append(_ringing(found_in(those, 'time', evidence), rhythm, those))
+        restless = [j for j in restless if j not in those]
     farther = {j: _farther(structure, model.robot.joints, j) for j in restless}
     found += [found_in([j], variable) for j, variable in farther.items() if variable]
     restless = [j for j in restless if not farther[j]]
@@ -99,11 +101,11 @@ def _told(finding, function, j):
     return replace(finding, explained=explained, verdict=CONFIRMED)
 
 
-def _ringing(finding, rings, joints):
+def _ringing(finding, rhythm, joints):
     """Return a Finding of joints (indices), confirmed by a Rhythm; explained: what rings."""
     explained = finding.explained.copy()
-    explained[joints] = rings.share
-    return replace(finding, parameters={'frequency': (rings.frequency, rings.scatter, 'Hz')},
+    explained[joints] = rhythm.share
+    return replace(finding, parameters={'frequency': (rhythm.frequency, rhythm.scatter, 'Hz')},
                    explained=explained, verdict=CONFIRMED)
 
 

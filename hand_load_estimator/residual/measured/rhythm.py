@@ -97,6 +97,24 @@ def rhythm(values, motion, dt, owner):
                   np.array(gains), owner[[part.start for part in parts]])
 
 
+def ringing(values, motion, dt, owner, needed):
+    """
+    Return the Rhythm of those of values (N, k) that surely ring together, and their columns.
+
+    None where none do. A joint that is restless for another reason is no reason to deny a swing
+    that the others show: the one that rings least is left out until the rest is sure.
+    """
+    columns = list(range(values.shape[1]))
+    while columns:
+        found = rhythm(values[:, columns], motion, dt, owner)
+        if found is None:
+            return None
+        if found.sure(needed):
+            return found, columns
+        del columns[int(np.argmin(found.share))]
+    return None
+
+
 def _runs(owner):
     """Return the slices of equal values in owner (N,)."""
     edges = np.r_[0, np.flatnonzero(np.diff(owner)) + 1, len(owner)]
