@@ -193,6 +193,18 @@ def test_which_intervals_are_at_work_is_told(made, model):
         == 'whole, made with another torque model and learned torque difference'
 
 
+@pytest.mark.parametrize('method', ['bayes', 'gp_bayes', 'gp_histogram'])
+def test_those_shipped_were_made_with_what_is_shipped(method):
+    name = f'ur10e_{method}_intervals'
+    assert build_pipeline('ur10e', method, intervals=name).intervals == name
+
+
+def test_a_card_that_names_no_model_is_told_as_that(tmp_path):
+    intervals = read_intervals(written(tmp_path, four_axes()), four_axes(), 'bayes')
+    assert intervals.told({'model': 'x', 'function': None}).endswith(
+        'whose card does not name the torque model they were made with')
+
+
 def test_a_checkpoint_goes_from_stated_to_calibrated_intervals_and_back(made):
     out, stream = made[0], messages(exact_model('four'), block(2.0), 1.5)
     plain, ours = (warm(build_pipeline(out / 'model.yaml', 'bayes', intervals=folder))

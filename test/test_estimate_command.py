@@ -61,6 +61,7 @@ def test_the_schema(folder):
     status, content = command(folder, 'run')
     assert status == 0
     assert content['schema'] == 'hand_load/estimate/1' and content['method'] == 'bayes'
+    assert content['intervals'] == 'as the method has them'
     assert content['frame'] == 'tip' and content['status'] == 'DETERMINED'
     assert content['samples'] == 500 and content['rejected'] == {}
     assert np.array(content['com']['mean']).shape == np.array(content['com']['std']).shape == (3,)

@@ -97,7 +97,7 @@ def test_every_topic_keeps_the_contract(estimator, feeder, listener):
     assert np.isfinite(heard['residual_torque'][-1].effort).all()
     assert {m.id for m in heard['markers'][-1].markers} == {0, 1, 2, 3}
     assert set(estimator.values()) == {'determined', 'age', 'reason', 'load_id', 'method',
-                                       'tared mass [kg]', 'tool mass [kg]',
+                                       'intervals', 'tared mass [kg]', 'tool mass [kg]',
                                        'checkpoint'}
     assert estimator.values()['method'] == 'bayes'
     assert {m.message for m in heard['status']} <= set(STATUSES)

@@ -91,6 +91,8 @@ def test_pick_and_place_with_an_unknown_load(start, listener, method):
     assert abs(error) < max(0.2, 4.0 * std) and std < 0.3, 'the empty hand weighs nothing'
     values = {pair.key: pair.value for pair in loop.heard['status'][-1].values}
     assert values['method'] == method, 'no silent fallback to another method'
+    assert values['intervals'] == {'lstm': 'calibrated with the network',
+                                   'bayes': 'as the method has them'}[method]
     changes = loop.load_id()
     loop.hold(True)
     listener.until(lambda: loop.heard['truth'][-1].inertia.m == LOAD[0], 5.0, 'the load')

@@ -7,11 +7,14 @@ import pytest
 from test_residual_ripple import waving
 
 from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.residual.findings import _of_effect
 from hand_load_estimator.residual.measured.blocks import Blocks
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.residual.tracing.ripple import likely_periods
-from hand_load_estimator.residual.tracing.shape_doubt import _covariance, shape_doubt
+from hand_load_estimator.residual.tracing.shape_doubt import (_covariance, shape_doubt,
+                                                              ShapeDoubt)
 from hand_load_estimator.residual.tracing.shape_fit import settled
+from hand_load_estimator.torque.columns import EffectUse
 
 MODEL = SimpleNamespace(uses=())
 
@@ -25,11 +28,11 @@ def case(q, v, residual, weights):
     return blocks, SimpleNamespace(x=x, delays={})
 
 
-def hypothesis_of(name, shape, residual):
+def hypothesis_of(name, shape, residual, scale=1.0):
     effect = EFFECTS[name]
     shape = {**effect.default_shape(), **shape}
-    columns = effect.columns(residual.x, 0, shape)
-    return Hypothesis(name, 0, {0: columns}, np.ones(columns.shape[1]), shape)
+    columns = scale * effect.columns(residual.x, 0, shape)
+    return Hypothesis(name, 0, {0: columns}, np.full(columns.shape[1], scale), shape)
 
 
 def std_of(name, shape, blocks, residual):
@@ -109,3 +112,32 @@ def test_a_level_is_doubted_as_the_velocity_is_at_which_it_falls():
     z = np.array(offs) / with_shape
     assert 0.5 < np.sqrt(np.mean(z ** 2)) < 1.4 and (np.abs(z) < 2.0).mean() > 0.85
     assert np.median(with_shape) > 2.0 * np.median(alone)
+
+
+def test_the_doubt_of_parameters_is_in_their_units():
+    """Whatever the prior's unit, as long as it leaves the parameters free."""
+    rows = waving(61.7, 1.0)
+    small, large = (shape_doubt(hypothesis_of('torque_ripple', {'periods': 61.7}, residual, scale),
+                                blocks, MODEL, residual).of_parameters
+                    for blocks, residual in [case(*rows)] for scale in (5.0, 50.0))
+    np.testing.assert_allclose(small, large, rtol=0.02, atol=1e-3 * large.max())
+    assert large.max() > 0.0
+
+
+@pytest.mark.parametrize('name, shape, wider', [
+    ('stribeck_friction', {'stribeck_velocity': 0.1}, True),
+    ('torque_ripple', {'periods': 60.0}, True), ('time_delay', {'shift': 0.02}, False)])
+def test_a_report_widens_parameters_and_not_what_is_derived_of_them(name, shape, wider):
+    """A ripple's amplitude does not turn with its period; of a delay only the product is told."""
+    use = EffectUse(name, 0, shape)
+    size = len(use.effect.parameters)
+    better = SimpleNamespace(mean=np.full(size, 1.0), covariance=1e-4 * np.eye(size),
+                             slices=lambda: [(use, slice(0, size))])
+    hypothesis = Hypothesis(name, 0, {}, np.ones(size), use.shape)
+    told, plain = (_of_effect(SimpleNamespace(slices=lambda: []), better, hypothesis, doubt)
+                   for doubt in (ShapeDoubt({}, 3e-4 * np.eye(size)), None))
+    own = [parameter for parameter, _ in use.effect.parameters]
+    for figure in own:
+        assert told[figure][1] == pytest.approx(0.02 if wider else 0.01)
+    for figure in set(plain) - set(own):
+        np.testing.assert_equal(told[figure], plain[figure])

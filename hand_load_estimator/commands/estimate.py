@@ -52,8 +52,9 @@ def run(args):
 
 
 def _report(result):
-    print(f'{result["status"]} ({result["method"]}, intervals {result["intervals"]}, '
-          f'{result["samples"]} samples, {sum(result["rejected"].values())} rejected)')
+    print(f'{result["status"]} ({result["method"]}, {result["samples"]} samples, '
+          f'{sum(result["rejected"].values())} rejected)')
+    print(f'intervals: {result["intervals"]}')
     if result['status'] != 'DETERMINED':
         print(result['reason'])
     if result['status'] != 'NO_DATA':

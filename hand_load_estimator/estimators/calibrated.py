@@ -46,4 +46,6 @@ def intervals_of(method):
     """Return in words where the deviations that a Method states come from."""
     if isinstance(method, Calibrated):
         return method.intervals
-    return 'calibrated with the network' if with_network(method.name) else 'as the method has them'
+    if with_network(method.name) and getattr(method, 'asked', True):
+        return 'calibrated with the network'
+    return 'as the method has them'

@@ -28,6 +28,7 @@ from .stated_intervals import (Answers, calibrate_stated, coverage_over_time, er
                                judged_samples, scores_of)
 from .training_loop import begin_work, end_work, job_of, make_sequences
 
+
 @dataclass(frozen=True)
 class CalibrationRecipe:
     """method: name; learned: folder of what it learned, or None; numbers of sequences."""

@@ -40,6 +40,8 @@ class Intervals:
 
     def told(self, origin):
         """Return in words which they are, and what differs where they are used: an origin_of."""
+        if not self.origin:
+            return f'{self.name}, whose card does not name the torque model they were made with'
         other = [_WHAT[part] for part in origin if self.origin.get(part) != origin[part]]
         return self.name + (f', made with another {" and ".join(other)}' if other else '')
 
@@ -66,10 +68,9 @@ def read_intervals(folder, robot, method):
     """Return the Intervals of a folder, refused when they are another robot's or method's."""
     folder = Path(folder)
     card, tensors = read_files(folder, WEIGHTS, robot, kind_of(method), AGAIN)
-    if set(tensors) != {'knots', 'factors'} or not usable(
-            *(tensors[name].astype(float) for name in ('knots', 'factors')), parameters=10):
+    both = [tensors[name].astype(float) for name in ('knots', 'factors') if name in tensors]
+    if len(tensors) != 2 or len(both) != 2 or not usable(*both, parameters=10):
         raise ConfigurationError(folder / WEIGHTS, 'has tensors that are not usable',
                                  allowed='finite ones, factors above 0', todo=AGAIN)
     origin = card.get('origin')
-    return Intervals(*(tensors[name].astype(float) for name in ('knots', 'factors')),
-                     folder.name, origin if isinstance(origin, dict) else {})
+    return Intervals(*both, folder.resolve().name, origin if isinstance(origin, dict) else {})

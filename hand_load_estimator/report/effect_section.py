@@ -88,7 +88,7 @@ def _searched(finding):
         return ''
     return (f'<p class="quiet">Interval of {escape(list_text(names))}: from how fast the gain '
             'falls around the value, the effect\'s other parameters fitted again, and as far as '
-            'its formula holds.</p>')
+            'its formula holds; those of its other parameters count it.</p>')
 
 
 def _pictures(finding):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import EFFECTS, LINK_INERTIA
+from ..effects import EFFECTS, LATE, LINK_INERTIA
 from ..effects.knee import KNEE
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .doubts.limits import LEAST_WARMING
@@ -35,11 +35,11 @@ def findings_of(model, better, trace, odd=()):
     for step in trace.steps:
         blocks = trace.beside(step)
         found.append(_finding((model, better), trace, step, blocks, odd,
-                              _shape_doubt(step.chosen, blocks, model, trace.residual)))
+                              _doubts_by_joint(step.chosen, blocks, model, trace.residual)))
     return tuple(found)
 
 
-def _shape_doubt(candidate, blocks, model, residual):
+def _doubts_by_joint(candidate, blocks, model, residual):
     """Return {joint index: ShapeDoubt} of what was searched."""
     found = {}
     for hypothesis in hypotheses_of(candidate):
@@ -219,9 +219,11 @@ def _of_effect(model, better, hypothesis, searched):
         return {}
     use, where = new
     mean, covariance = better.mean[where], better.covariance[where, where]
-    if searched is not None:
-        covariance = covariance + searched.of_parameters
-    std = np.sqrt(np.diag(covariance))
+    variance = np.diag(covariance)
+    # Share and shift of a delay are one quantity: the share is that of the shift as it stands.
+    if searched is not None and hypothesis.name != LATE:
+        variance = variance + np.diag(searched.of_parameters)
+    std = np.sqrt(variance)
     out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
     # A share of another delay, a peak at another velocity is no change of the old one.
     if old is not None and old[0].formula == use.formula:
@@ -229,6 +231,7 @@ def _of_effect(model, better, hypothesis, searched):
         out |= {f'change_of_{name}': (mean[k] - before[k], std[k], unit)
                 for k, (name, unit) in enumerate(effect.parameters)}
     if effect.derived:
+        # What a period does to sine and cosine turns them, and leaves their amplitude.
         out |= _derived(effect, use.shape, mean, covariance)
     # A knee is estimated with the parameters, any other shape was searched: now, or once before.
     std = {**use.shape_std, **(searched.std if searched is not None else {})}

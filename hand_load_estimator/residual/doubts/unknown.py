@@ -70,19 +70,26 @@ def unknown_left(model, residual, rest, left, trace, structure):
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if not restless:
         return tuple(found)
-    motion = np.hstack([residual.x.v, residual.x.a])
-    needed = UNKNOWN_FACTOR * trace.needed
-    rings = ringing(rest[:, restless], motion, residual.dt, residual.owner, needed)
-    if rings is not None:
-        rhythm, those = rings[0], [restless[k] for k in rings[1]]
-        evidence = Evidence(rhythm.gain, rhythm.gain_std, needed, len(rhythm.gains), trace.trials,
-                            np.nan)
-        found.append(_ringing(found_in(those, 'time', evidence), rhythm, those))
+    swing, those = _swing(residual, rest, restless, trace)
+    if swing is not None:
+        found.append(_swinging(found_in(those, 'time', swing[1]), swing[0], those))
         restless = [j for j in restless if j not in those]
     farther = {j: _farther(structure, model.robot.joints, j) for j in restless}
     found += [found_in([j], variable) for j, variable in farther.items() if variable]
     restless = [j for j in restless if not farther[j]]
     return (*found, found_in(restless, 'time')) if restless else tuple(found)
+
+
+def _swing(residual, rest, joints, trace):
+    """Return (Rhythm, Evidence) and which of joints (indices) ring so, or (None, ())."""
+    motion, needed = np.hstack([residual.x.v, residual.x.a]), UNKNOWN_FACTOR * trace.needed
+    found = ringing(rest[:, joints], motion, residual.dt, residual.owner, needed)
+    if found is None:
+        return None, ()
+    rhythm, columns = found
+    evidence = Evidence(rhythm.gain, rhythm.gain_std, needed, len(rhythm.gains), trace.trials,
+                        np.nan)
+    return (rhythm, evidence), [joints[k] for k in columns]
 
 
 def _farther(structure, joints, j):
@@ -101,7 +108,7 @@ def _told(finding, function, j):
     return replace(finding, explained=explained, verdict=CONFIRMED)
 
 
-def _ringing(finding, rhythm, joints):
+def _swinging(finding, rhythm, joints):
     """Return a Finding of joints (indices), confirmed by a Rhythm; explained: what rings."""
     explained = finding.explained.copy()
     explained[joints] = rhythm.share

@@ -28,7 +28,8 @@ class ShapeDoubt:
 
     std: {name: standard deviation} in the shape's units, NaN where the gain has no curvature of a
     maximum; of_parameters (k, k): covariance that this adds to that of the effect's own
-    parameters, in theirs; nothing for what has no maximum.
+    parameters, in theirs; nothing for what has no maximum. Of a declared effect with another form
+    both are of what comes to it: a change of the same size stands for the whole.
     """
 
     std: dict
