@@ -11,7 +11,7 @@ from hand_load_estimator.residual.findings import _of_effect
 from hand_load_estimator.residual.measured.blocks import Blocks
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.residual.tracing.ripple import likely_periods
-from hand_load_estimator.residual.tracing.shape_doubt import (_covariance, shape_doubt,
+from hand_load_estimator.residual.tracing.shape_doubt import (_covariance, NO_DOUBT, shape_doubt,
                                                               ShapeDoubt)
 from hand_load_estimator.residual.tracing.shape_fit import settled
 from hand_load_estimator.torque.columns import EffectUse
@@ -135,7 +135,7 @@ def test_a_report_widens_parameters_and_not_what_is_derived_of_them(name, shape,
                              slices=lambda: [(use, slice(0, size))])
     hypothesis = Hypothesis(name, 0, {}, np.ones(size), use.shape)
     told, plain = (_of_effect(SimpleNamespace(slices=lambda: []), better, hypothesis, doubt)
-                   for doubt in (ShapeDoubt({}, 3e-4 * np.eye(size)), None))
+                   for doubt in (ShapeDoubt({}, 3e-4 * np.eye(size)), NO_DOUBT))
     own = [parameter for parameter, _ in use.effect.parameters]
     for figure in own:
         assert told[figure][1] == pytest.approx(0.02 if wider else 0.01)

@@ -60,7 +60,7 @@ def test_one_joint_that_rings_is_no_account_of_the_others():
 
 @pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
 def test_no_joint_of_coloured_noise_is_picked_out(memory):
-    for seed in range(2):
+    for seed in range(6):
         noise, speed, dt, owner, _ = recorded(seed, memory)
         assert ringing(noise, speed, dt, owner, NEEDED / 4.0) is None
 

@@ -12,7 +12,7 @@ from .doubts.unknown import left_over
 from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
 from .tracing.confusable import advice, NO_MOTION, same_torque
-from .tracing.shape_doubt import shape_doubt
+from .tracing.shape_doubt import NO_DOUBT, shape_doubt
 
 _MOST_PICTURES = 3
 # At one temperature, which parameters are not stated at, an effect is as its change with it.
@@ -199,7 +199,7 @@ def _parameters(model, better, chosen, searched):
     for hypothesis, _ in chosen.parts:
         joint = '' if len(chosen.parts) == 1 else f' ({model.robot.joints[hypothesis.joint]})'
         values = _of_link(model, better, hypothesis) if chosen.name == 'link_inertia' \
-            else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint))
+            else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint, NO_DOUBT))
         out |= {name + joint: value for name, value in values.items()}
     return out
 
@@ -221,7 +221,7 @@ def _of_effect(model, better, hypothesis, searched):
     mean, covariance = better.mean[where], better.covariance[where, where]
     variance = np.diag(covariance)
     # Share and shift of a delay are one quantity: the share is that of the shift as it stands.
-    if searched is not None and hypothesis.name != LATE:
+    if hypothesis.name != LATE:
         variance = variance + np.diag(searched.of_parameters)
     std = np.sqrt(variance)
     out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
@@ -234,7 +234,7 @@ def _of_effect(model, better, hypothesis, searched):
         # What a period does to sine and cosine turns them, and leaves their amplitude.
         out |= _derived(effect, use.shape, mean, covariance)
     # A knee is estimated with the parameters, any other shape was searched: now, or once before.
-    std = {**use.shape_std, **(searched.std if searched is not None else {})}
+    std = {**use.shape_std, **searched.std}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 

@@ -70,26 +70,26 @@ def unknown_left(model, residual, rest, left, trace, structure):
     restless = [j for j, (_, share) in follows.items() if not share > FOLLOWS]
     if not restless:
         return tuple(found)
-    swing, those = _swing(residual, rest, restless, trace)
-    if swing is not None:
-        found.append(_swinging(found_in(those, 'time', swing[1]), swing[0], those))
-        restless = [j for j in restless if j not in those]
+    swings, restless = _swings(residual, rest, restless, trace, found_in)
+    found += swings
     farther = {j: _farther(structure, model.robot.joints, j) for j in restless}
     found += [found_in([j], variable) for j, variable in farther.items() if variable]
     restless = [j for j in restless if not farther[j]]
     return (*found, found_in(restless, 'time')) if restless else tuple(found)
 
 
-def _swing(residual, rest, joints, trace):
-    """Return (Rhythm, Evidence) and which of joints (indices) ring so, or (None, ())."""
+def _swings(residual, rest, joints, trace, found_in):
+    """Return the Findings, one or none, of joints (indices) that ring, and the other joints."""
     motion, needed = np.hstack([residual.x.v, residual.x.a]), UNKNOWN_FACTOR * trace.needed
     found = ringing(rest[:, joints], motion, residual.dt, residual.owner, needed)
     if found is None:
-        return None, ()
+        return [], joints
     rhythm, columns = found
     evidence = Evidence(rhythm.gain, rhythm.gain_std, needed, len(rhythm.gains), trace.trials,
                         np.nan)
-    return (rhythm, evidence), [joints[k] for k in columns]
+    those = [joints[k] for k in columns]
+    return ([_swinging(found_in(those, 'time', evidence), rhythm, those)],
+            [j for j in joints if j not in those])
 
 
 def _farther(structure, joints, j):

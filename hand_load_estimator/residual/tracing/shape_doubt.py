@@ -36,6 +36,10 @@ class ShapeDoubt:
     of_parameters: np.ndarray
 
 
+# Of what was not searched; a single zero stands for any number of parameters.
+NO_DOUBT = ShapeDoubt({}, np.zeros((1, 1)))
+
+
 def shape_doubt(hypothesis, blocks, model, residual):
     """
     Return the ShapeDoubt of a Hypothesis.
@@ -43,9 +47,9 @@ def shape_doubt(hypothesis, blocks, model, residual):
     blocks: Blocks with everything else that was found; the effect's own parameters are fitted
     again for every trial.
     """
-    names, own = list(searched(hypothesis)), len(hypothesis.scale)
+    names = list(searched(hypothesis))
     if not names:
-        return ShapeDoubt({}, np.zeros((own, own)))
+        return NO_DOUBT
 
     def scores(steps):
         return [blocks.evaluate(trial.columns) for trial in reshaped(
