@@ -20,10 +20,10 @@ FINAL_PLANTS = range(1600, 1650)
 FINAL_CASES = range(4_270_000, 4_320_000)
 FINAL_UNDECLARED_PLANTS = range(1700, 1750)
 FINAL_UNDECLARED_CASES = range(4_320_000, 4_370_000)
-# Arms in which an effect is hidden for `diagnose`; what failed on those before (1500 to 1539,
-# 4,200,000 on) was looked at.
-FINAL_EFFECT_PLANTS = range(1750, 1770)
-FINAL_EFFECT_CASES = range(4_370_000, 4_380_000)
+# Arms in which an effect is hidden for `diagnose`; what failed on those before (1500 to 1539 and
+# 1750 to 1769, 4,200,000 and 4,370,000 on) was looked at.
+FINAL_EFFECT_PLANTS = range(1770, 1790)
+FINAL_EFFECT_CASES = range(4_380_000, 4_390_000)
 # The plant whose recordings made the shipped model. The demo and the simulator use it too: the
 # user's arm is the one that was identified.
 SHIPPED_MODEL_PLANT = 1
