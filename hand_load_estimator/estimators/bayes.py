@@ -68,6 +68,9 @@ class Bayes(Watching):
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
         self._regression.update_posterior()
+        if self._regression.suspects():
+            # What may be another load's is not put off.
+            self.settle()
         return self.belief()
 
     def _unexpected(self, prediction, columns):

@@ -8,6 +8,9 @@ b^T (A + P^-1)^-1 b / 2 - log det(I + P A) / 2, where A and b are the informatio
 
 What may have changed instead is one joint: its friction and offset, of which the model states how
 far they drift. The same factor with P for these tells how well that explains the data.
+
+A factor never exceeds half of the weighted square that the older belief leaves of the recent data,
+which costs a tenth: the data of a healthy arm are hardly ever tested for another load.
 """
 
 from collections import deque
@@ -21,9 +24,11 @@ from .positive_solve import positive_solve, unit
 
 # Recent data are kept in pieces of about this length [s of motion] ...
 PIECE = 0.06
-# ... and tested over the last so many of them: the few always, the many in turns, as what shows
-# in many only is no matter of a tenth of a second.
-SHORT, LONG = 2, (5, 16)
+# ... and tested over the last so many of them: the few with every sample, the most only when what
+# is older is counted anew, as what shows in many only is no matter of a tenth of a second.
+SHORT, MIDDLE, LONG = 2, 5, 16
+# Those that are counted anew in turns.
+IN_TURN = MIDDLE, LONG
 # Evidence is asked for so many times over in a moment: friction that a model lacks comes and goes
 # in it. On sick development arms this brought as few false changes as not looking at all.
 OF_A_MOMENT = 2.0
@@ -33,6 +38,8 @@ EVIDENCE = 25.0
 # How far a joint may have changed, in standard deviations of its stated drift: the likeliest of
 # these counts, because how well a model knows its drift says nothing of what breaks.
 ANY_JOINT = (30.0, 1e3, 3e4)
+# [m] How far a grasp may slip: a change of three numbers needs less evidence than one of ten.
+SLIP = 0.03
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
 
@@ -43,6 +50,12 @@ def change_covariance(prior):
     shape[0] = max(shape[0], LEAST_CHANGE_MASS)
     jacobian = products_jacobian_of_shape(shape)
     return jacobian @ np.diag(prior.std ** 2) @ jacobian.T
+
+
+def slip_covariance(shape):
+    """Return the covariance (10, 10) of what the products of a shape (10,) change by in a slip."""
+    moved = SLIP * products_jacobian_of_shape(shape)[:, 1:4]
+    return moved @ moved.T
 
 
 def log_bayes_factor(recent, older_mean, older_precision, change):
@@ -118,7 +131,7 @@ class RecentData:
         self._lengths.append(self._length)
         self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
-        if len(self.pieces) > max(LONG):
+        if len(self.pieces) > LONG:
             # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
             kept = np.exp(-self._lengths.popleft() / self._memory)
             self._closed.take_off(self.older, 1.0 - kept)
@@ -139,12 +152,20 @@ class RecentData:
         return self._sum(self.older, list(self.pieces)[:-count])
 
     def split(self, count):
-        """Return (older, recent) with the last `count` pieces as recent, or None."""
+        """
+        Return (older, recent) with the last `count` pieces as recent, or None.
+
+        What is open is in neither.
+        """
         if len(self.pieces) <= count:
             return None
         pieces = list(self.pieces)
         return (self._sum(self.older, pieces[:-count]),
                 self._sum(Information(*self.size), pieces[-count:]))
+
+    def with_open(self, recent):
+        """Return the sum of an Information of recent pieces and the open one."""
+        return recent.plus(self._open)
 
     def _sum(self, first, others):
         total = Information(*self.size)

@@ -84,6 +84,7 @@ class Information:
 
     matrix (d, d) and vector (d,); by_joint (n, d, 10): each joint's columns for the load, from
     which the doubt about its torque constant is carried into the covariance; n = 0 leaves it out.
+    square: of the weighted differences themselves, which tells what some unknowns leave of them.
     """
 
     def __init__(self, n, nuisances):
@@ -92,37 +93,46 @@ class Information:
         # solves for lies side by side.
         self._sums = np.zeros((d, 1 + d))
         self.vector, self.matrix = self._sums[:, 0], self._sums[:, 1:]
-        self.by_joint = np.zeros((n, d, 10))
+        self.by_joint, self.square = np.zeros((n, d, 10)), 0.0
 
     def add_rows(self, columns, difference, weights):
         """Add rows: columns (., d), difference (.,) [Nm], weights (.,) = precision."""
         weighted = columns.T * weights
         self._sums += weighted.dot(np.concatenate([difference[:, None], columns], axis=1))
+        self.square += float(weights.dot(difference * difference))
         if len(self.by_joint):
             self.by_joint += weighted.T[:, :, None] * columns[:, None, :10]
 
     def add(self, other):
         """Add another Information of the same unknowns."""
         self._sums += other._sums
+        self.square += other.square
         if len(self.by_joint):
             self.by_joint += other.by_joint
 
     def take_off(self, other, share):
         """Subtract a share in [0, 1] of another Information of the same unknowns."""
         self._sums -= share * other._sums
+        self.square -= share * other.square
         self.by_joint -= share * other.by_joint
 
     def plus(self, other):
         """Return the sum with another Information of the same unknowns."""
         out = Information(len(self.by_joint), len(self.vector) - 10)
         np.add(self._sums, other._sums, out=out._sums)
+        out.square = self.square + other.square
         np.add(self.by_joint, other.by_joint, out=out.by_joint)
         return out
 
     def scale(self, factor):
         """Forget: multiply everything by a factor in [0, 1]."""
         self._sums *= factor
+        self.square *= factor
         self.by_joint *= factor
+
+    def left_by(self, unknowns):
+        """Return the weighted square of what unknowns (d,) leave of the differences."""
+        return self.square + unknowns.dot(self.matrix.dot(unknowns) - 2.0 * self.vector)
 
     def without_last(self, count, trust=None):
         """

@@ -178,11 +178,15 @@ class Lstm(Watching):
             if np.abs(sample.v).max() > MOVING:
                 self._shift, self._spread = shift, spread
         weights = sample.dt / prediction.density
+        # The plain regression only serves the next innovation, and to see a change.
+        self._plain.add(sample, columns, prediction.difference, weights)
         self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
                           weights)
         self._learned.update_posterior()
-        # The plain regression only serves the next innovation.
-        self._unsettled = sample, columns, prediction.difference, weights
+        self._settled = False
+        if self._plain.suspects():
+            # What may be another load's is not put off.
+            self._look()
         return self.belief()
 
     def _listen(self, sample):
@@ -197,17 +201,19 @@ class Lstm(Watching):
 
     def settle(self):
         """Bring the plain regression behind the innovations up to date, look for a change."""
-        if self._unsettled is None:
+        if self._settled:
             return
-        changes = self._plain.changes
-        self._plain.add(*self._unsettled)
-        self._unsettled = None
+        self._settled = True
         self._count += 1
         if self._count % REFRESH == 0:
             self._renew()
         else:
             # At a renewal there is enough to do.
-            self._plain.look_for_change()
+            self._look()
+
+    def _look(self):
+        changes = self._plain.changes
+        self._plain.look_for_change()
         if self._plain.changes > changes:
             self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
             self._restart()
@@ -275,7 +281,7 @@ class Lstm(Watching):
         self._gate.clear()
         self._rest.restart()
         self._slow = SlowResidual(self._robot.n)
-        self._count, self._unsettled = 0, None
+        self._count, self._settled = 0, True
         self._correction = np.zeros(self._robot.n)
         # Of the load before, should a change turn out to have been a contact.
         self._said_before = self._shift, self._spread

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..torque_model import DRIFTS
-from .change import (change_covariance, EVIDENCE, log_bayes_factor, LONG, OF_A_MOMENT, RecentData,
-                     SHORT, strongest_joint)
+from .change import change_covariance, EVIDENCE, LONG, RecentData, slip_covariance
+from .change_windows import ChangeWindows, Older
 from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
 from .method import Belief, checked
 from .model_trust import ModelTrust
@@ -56,7 +56,8 @@ class LoadRegression:
         self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
-        self._turn, self._unchecked = 0, None
+        self._windows = ChangeWindows(self.change, self._recent, n)
+        self._newest, self._ended = None, False
         self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
@@ -71,9 +72,19 @@ class LoadRegression:
         moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
         if self._tare is not None:
             difference = difference - columns[:, :10] @ self._zero
-        if self._recent.add(columns, difference, weights, moved) and self._watch:
-            self._unchecked = sample.stamp
+        ended = self._recent.add(columns, difference, weights, moved)
+        if not self._watch:
+            return
+        self._newest = sample.stamp
+        if ended:
+            self._ended = True
             self.trust.take(self._recent.pieces[-1])
+            self._windows.take(self._recent.pieces[-1])
+
+    def suspects(self):
+        """Tell whether the newest sample may be another load's, so that to look is urgent."""
+        return (self._newest is not None and self.trust.foretold_before()
+                and self._windows.suspicious())
 
     def look_for_change(self):
         """
@@ -81,17 +92,18 @@ class LoadRegression:
 
         If it did not, they tell how far the model is to be trusted.
         """
-        if self._unchecked is None:
+        if self._newest is None:
             return
-        stamp, self._unchecked = self._unchecked, None
-        self._turn = (self._turn + 1) % len(LONG)
-        # Torques that vary so much more than stated make so much more evidence by themselves.
-        needed = self._evidence * self.trust.factor_before()
-        if (self._has_changed(SHORT, OF_A_MOMENT * needed)
-                or self._has_changed(LONG[self._turn], needed)):
+        stamp, self._newest = self._newest, None
+        ended, self._ended = self._ended, False
+        if ended:
+            # Torques that vary so much more than stated make so much more evidence by themselves.
+            self._windows.begin(self._evidence * self.trust.factor_before(), self._older_belief)
+        foretold = self.trust.foretold_before()
+        if self._windows.changed(foretold, ended):
             # Nobody knows since when: a change is seen while the window still holds old data.
-            self.begin_anew(stamp, self._pieces_since_change())
-        else:
+            self.begin_anew(stamp, self._pieces_since_change(foretold))
+        elif ended:
             self.trust.look(self._recent.closed())
 
     def update_posterior(self):
@@ -133,7 +145,7 @@ class LoadRegression:
     def _forget_data(self):
         self._before = None
         self._recent.clear()
-        self._unchecked = None
+        self._forget_windows()
         self._start = self._prior.mean
         self.posterior = self._solve()
 
@@ -179,7 +191,7 @@ class LoadRegression:
         total.by_joint[:] = state['by_joint']
         drifts, precision = DRIFTS * self._joints, state['trust_precision']
         self._recent.begin_with(total.without_last(drifts, Trust(np.diag(precision))))
-        self._unchecked = None
+        self._forget_windows()
         self._start, self._zero = state['start'], state['zero']
         self._tare = state['tare'] if state['tare'].any() else None
         if self._watch:
@@ -239,37 +251,28 @@ class LoadRegression:
         self._recent.begin_with(older)
         if self._watch:
             self.trust.resume(**trust)
-        self._unchecked = None
+        self._forget_windows()
         self.changes += 1
         self.last_change = stamp
         self.update_posterior()
         return True
 
-    def _has_changed(self, count, needed):
-        """Tell whether the last `count` pieces are another load's, by `needed` nats."""
-        split = self._recent.split(count)
-        if split is None:
-            return False
-        recent, belief = split[1], self._older_belief(split[0])
-        evidence = log_bayes_factor(recent, *belief, self.change)
-        # A slip may show in one joint only. Where the model has foretold the torques that well,
-        # a joint that suddenly is another is less likely still.
-        return evidence > needed and (self.trust.foretold_before() or evidence
-                                      > strongest_joint(recent, *belief, self._joints))
+    def _forget_windows(self):
+        self._windows.clear()
+        self._newest, self._ended = None, False
 
-    def _evidence_of(self, split):
-        """Return the log Bayes factor of a changed load between (older, recent) Information."""
-        older, recent = split
-        return log_bayes_factor(recent, *self._older_belief(older), self.change)
-
-    def _pieces_since_change(self):
+    def _pieces_since_change(self, foretold):
         """Return how many pieces are most likely another load's, and the one it came in."""
-        splits = {count: self._recent.split(count) for count in range(1, max(LONG) + 1)}
-        return 1 + max((count for count, split in splits.items() if split is not None),
-                       key=lambda count: self._evidence_of(splits[count]))
+        evidence = {}
+        for count in range(1, LONG + 1):
+            split = self._recent.split(count)
+            if split is not None:
+                evidence[count] = self._windows.evidence(
+                    self._recent.with_open(split[1]), self._older_belief(split[0]), foretold)
+        return 1 + max(evidence, key=evidence.get)
 
     def _older_belief(self, older):
-        """Return mean (d,), precision (d, d) of load and nuisances from older data."""
+        """Return the Older of an Information."""
         trust = replace(self.trust.now, factor=1.0)
         posterior = posterior_of(older, self._prior, self._start, trust=trust)
         precision = older.matrix.copy()
@@ -277,4 +280,4 @@ class LoadRegression:
         precision[10:, 10:] += trust.precision
         mean = np.concatenate([posterior.products,
                                older.nuisance_given(posterior.products, trust)])
-        return mean, precision
+        return Older(mean, precision, slip_covariance(posterior.shape))
