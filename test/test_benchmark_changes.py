@@ -32,7 +32,8 @@ def seen(kind, at, moved, *stamps, off=0.0, place=0.0):
     """Return a run at whose end mass [kg] and place [m] are off; stds are 0.1 kg and 1 mm."""
     load = block(5.0).to_message()
     mean = load + np.r_[off, place, np.zeros(8)]
-    return {'kind': kind, 'plant': 1, 'at': at, 'moved': moved, 'seen': {'bayes': list(stamps)},
+    return {'kind': kind, 'plant': 1, 'at': at, 'moved': moved,
+            'earliest': None if moved is None else moved + 0.05, 'seen': {'bayes': list(stamps)},
             'load': load.tolist(), 'rated': 12.5,
             'end': {'bayes': [mean.tolist(), [0.1, *[1e-3] * 9]]}}
 
@@ -58,7 +59,9 @@ def test_delays_count_from_motion_and_only_after_the_change():
                                         'delay_longest': never}
     assert figures['kinds']['pick']['delay_longest'] == pytest.approx(0.3)
     assert (figures['false_alarms'], figures['hours']) == (2, 2.0)
-    page = to_markdown(change_blocks({'methods': {'bayes': figures}}))
+    scores = change_scores.change_scores(results)
+    page = to_markdown(change_blocks(scores))
+    assert 'after 0.05 s by median, after 0.05 s at the 95th percentile' in page
     assert '| 0.20 to 0.30 s, 0 of 2 missed |' in page
     assert '| bayes | 4 | 1 | 0 | 1 | 0 | 0.10 |' in page
     # Errors 30 and 90 g after half an hour, std 20 g.
@@ -102,6 +105,8 @@ def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
     found = changes.measure_job('change', 'ur10e', plant, seeds.DEVELOPMENT_CASES[700], 'pick',
                                 None, ('bayes', 'gp_bayes'))
     assert found['at'] <= found['moved'] < 6.0
+    # A test that knows both loads is no later than one that knows neither.
+    assert found['at'] <= found['earliest'] <= min(found['seen']['bayes'])
     assert set(found['seen']) == {'bayes', 'gp_bayes'}
     for name, stamps in found['seen'].items():
         assert stamps and found['at'] <= stamps[0] < found['moved'] + 2.0

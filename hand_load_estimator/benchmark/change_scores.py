@@ -12,8 +12,9 @@ SIGMAS, MASS_SHARE, DISTANCE = 3.0, 0.02, 0.003
 
 def change_scores(results):
     """
-    Return {'overview': counts, 'methods': {name: figures}} of results by label.
+    Return {'overview': counts, 'known', 'methods': {name: figures}} of results by label.
 
+    known: delays [s] of a test that knows both loads, median and 95th percentile. Figures:
     changes; missed (not seen until the end of the run, or seen and the load at the end is another
     one: wrong counts these); too_early (runs in which one was seen before it happened); extra
     (counts beyond the first after the change); delays [s] after the first motion that could tell,
@@ -26,7 +27,8 @@ def change_scores(results):
     changed = [r for r in changed if r['moved'] is not None]
     names = {name for r in changed for name in r['seen']} \
         | {name for r in running for name in r['changes']}
-    return {'overview': {**counts, 'scored': len(changed)},
+    known = [max(r['earliest'] - r['moved'], 0.0) for r in changed if r['earliest'] is not None]
+    return {'overview': {**counts, 'scored': len(changed)}, 'known': _quantiles(known),
             'methods': {name: {**_of_changes(name, changed), **_of_running(name, running)}
                         for name in sorted(names)}}
 
@@ -66,9 +68,12 @@ def _of_changes(name, changed):
             'wrong': sum(bool(_after(name, r)) and not found_load(name, r) for r in changed),
             'too_early': sum(any(s < r['at'] for s in r['seen'][name]) for r in changed),
             'extra': sum(max(len(_after(name, r)) - 1, 0) for r in changed),
-            'delay_median': float(np.median(seen)) if len(seen) else float('nan'),
-            'delay_p95': float(np.quantile(seen, 0.95)) if len(seen) else float('nan'),
-            'delays': seen.tolist(), 'kinds': kinds}
+            **_quantiles(seen), 'delays': seen.tolist(), 'kinds': kinds}
+
+
+def _quantiles(delays):
+    return {'delay_median': float(np.median(delays)) if len(delays) else float('nan'),
+            'delay_p95': float(np.quantile(delays, 0.95)) if len(delays) else float('nan')}
 
 
 def _of_running(name, running):

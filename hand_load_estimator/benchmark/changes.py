@@ -7,6 +7,7 @@ from ..load import LoadParameters
 from ..plant import simulate_motion
 from ..simulation.simulate_motions import named_motion
 from .cases import draw_load, motion_start, stream_samples
+from .change_bound import earliest_seen
 from .contestants import chosen_methods, functions_of, our_contestants
 from .measure import robot_and_models
 from .suites import CASES_PER_PLANT
@@ -40,10 +41,10 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
     """
     Return when each method saw one change of the load.
 
-    {'kind', 'at', 'moved', 'load', 'rated', 'seen': {method: stamps}, 'end': {method: [mean,
-    std]}}: time of the change and of the first motion after it [s] of a joint that carries the
-    load, None where there is none; the load (10,) held at the end, the rated mass [kg], and what
-    each method says at the end.
+    {'kind', 'at', 'moved', 'earliest', 'load', 'rated', 'seen': {method: stamps},
+    'end': {method: [mean, std]}}: time of the change and of the first motion after it [s] of a
+    joint that carries the load, None where there is none; earliest_seen; the load (10,) held at
+    the end, the rated mass [kg], and what each method says at the end.
     """
     robot, models = robot_and_models(robot_path, plant, functions_of(methods))
     before, after, at = draw_change(robot, seed, kind)
@@ -58,7 +59,9 @@ def measure_change(robot_path, plant, seed, kind, learned, methods):
                              models.get('difference'))
     told = {name: changes_seen(contestant, samples) for name, contestant in racing.items()}
     moved = motion_start(robot, [e for e in events if e.stamp >= at])
-    return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved,
+    earliest = earliest_seen(models['ours'], samples, at,
+                             after.to_products() - before.to_products())
+    return {'kind': kind, 'plant': plant, 'at': at, 'moved': moved, 'earliest': earliest,
             'load': after.to_message().tolist(), 'rated': robot.rated_load.mass,
             'seen': {name: stamps for name, (stamps, _) in told.items()},
             'end': {name: [belief.mean.tolist(), np.sqrt(np.diag(belief.covariance)).tolist()]
