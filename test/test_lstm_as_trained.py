@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from hand_load_estimator.estimators import lstm as lstm_module, regression
-from hand_load_estimator.estimators.lstm import LstmCell
+from hand_load_estimator.estimators.lstm_cell import LstmCell
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.learning.features import feature_count, features, REFRESH

@@ -44,8 +44,8 @@ def change_blocks(content):
              'and 3 mm.'),
         Table(['method', 'changes', 'missed', 'of these seen, wrong at the end', 'seen before',
                'counted again', 'delay, median [s]', '95th percentile [s]'], rows),
-        Text('To a test that knows the load before and after, and friction as the torque model '
-             'has it, torques tell as much as is asked of a change (25 nats) after '
+        Text('To a test that knows the load before and after and is not late by a motion filter, '
+             'torques are expected to tell as much as is asked of a change after '
              f'{_seconds(content["known"]["delay_median"])} s by median, after '
              f'{_seconds(content["known"]["delay_p95"])} s at the 95th percentile.'),
         Text('False alarms: changes seen while one load stayed through runs of half an hour, each '

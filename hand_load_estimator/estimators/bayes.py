@@ -60,18 +60,22 @@ class Bayes(Watching):
             return self.belief()
         if beyond == ANOTHER_LOAD:
             self._regression.begin_anew(sample.stamp)
-            self._clear_watches()
-            self._known = self._regression.known()
-            innovation, spread, torque = self._unexpected(prediction, columns)
+            innovation, spread = self._after_change(prediction, columns)
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
                              sample.dt / prediction.density)
-        self._regression.update_posterior()
-        if self._regression.suspects():
-            # What may be another load's is not put off.
-            self.settle()
+        if self._regression.look_at(sample.stamp):
+            self._after_change(prediction, columns)
+        else:
+            self._regression.update_posterior()
         return self.belief()
+
+    def _after_change(self, prediction, columns):
+        """Begin the watches anew; return innovation and its variance (n,) by the new belief."""
+        self._clear_watches()
+        self._known = self._regression.known()
+        return self._unexpected(prediction, columns)[:2]
 
     def _unexpected(self, prediction, columns):
         """Return innovation, its variance by the belief and the load's torque, as noted."""

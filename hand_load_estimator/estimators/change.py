@@ -10,7 +10,7 @@ What may have changed instead is one joint: its friction and offset, of which th
 far they drift. The same factor with P for these tells how well that explains the data.
 
 A factor never exceeds half of the weighted square that the older belief leaves of the recent data,
-which costs a tenth: the data of a healthy arm are hardly ever tested for another load.
+which costs a sixth: the data of a healthy arm are hardly ever tested for another load.
 """
 
 from collections import deque
@@ -24,11 +24,9 @@ from .positive_solve import positive_solve, unit
 
 # Recent data are kept in pieces of about this length [s of motion] ...
 PIECE = 0.06
-# ... and tested over the last so many of them: the few with every sample, the most only when what
-# is older is counted anew, as what shows in many only is no matter of a tenth of a second.
+# ... and tested over the last so many of them: the few always, the many in turns, as what shows
+# in many only is no matter of a tenth of a second.
 SHORT, MIDDLE, LONG = 2, 5, 16
-# Those that are counted anew in turns.
-IN_TURN = MIDDLE, LONG
 # Evidence is asked for so many times over in a moment: friction that a model lacks comes and goes
 # in it. On sick development arms this brought as few false changes as not looking at all.
 OF_A_MOMENT = 2.0
@@ -38,7 +36,8 @@ EVIDENCE = 25.0
 # How far a joint may have changed, in standard deviations of its stated drift: the likeliest of
 # these counts, because how well a model knows its drift says nothing of what breaks.
 ANY_JOINT = (30.0, 1e3, 3e4)
-# [m] How far a grasp may slip: a change of three numbers needs less evidence than one of ten.
+# [m] Standard deviation along each axis of how far a grasp slips: a change of three numbers is
+# likely with less evidence than one of ten.
 SLIP = 0.03
 # A load below this [kg] leaves place and size free, but a change to a heavier one is likely.
 LEAST_CHANGE_MASS = 1.0
@@ -131,7 +130,7 @@ class RecentData:
         self._lengths.append(self._length)
         self._closed.add(self._open)
         self._open, self._length = Information(*self.size), 0.0
-        if len(self.pieces) > LONG:
+        if len(self.pieces) > LONG + 1:
             # A sum anew would cost ten times as much; rounding leaves 1e-12 here after hours.
             kept = np.exp(-self._lengths.popleft() / self._memory)
             self._closed.take_off(self.older, 1.0 - kept)

@@ -84,7 +84,8 @@ class Information:
 
     matrix (d, d) and vector (d,); by_joint (n, d, 10): each joint's columns for the load, from
     which the doubt about its torque constant is carried into the covariance; n = 0 leaves it out.
-    square: of the weighted differences themselves, which tells what some unknowns leave of them.
+    square: of the weighted differences of rows added, which tells what some unknowns leave of them;
+    NaN where unknowns were taken out.
     """
 
     def __init__(self, n, nuisances):
@@ -149,6 +150,7 @@ class Information:
         out.matrix[:kept, :kept] = self.matrix[:kept, :kept] - share @ self.matrix[kept:, :kept]
         out.vector[:kept] = self.vector[:kept] - share @ self.vector[kept:]
         out.by_joint[:, :kept] = self.by_joint[:, :kept] - share @ self.by_joint[:, kept:]
+        out.square = np.nan
         return out
 
     def load_share(self, trust=None):

@@ -4,7 +4,6 @@ Method `lstm`: a trained LSTM corrects every sample of the regression (E1.3, E6.
 The network sees motion, torque difference and temperature of each joint (E3.1), the regressor's
 domain through the running Bayesian posterior (E4.1), and gives the mean and the variance of the
 ten parameters: through its corrections, and by shift and spread of the outcome.
-The forward pass is numpy, because one sample through torch costs more than the arithmetic.
 A network that was trained beside temperatures is not asked without them: the regression by itself
 (bayes.py) is as near, and its intervals hold.
 """
@@ -14,13 +13,13 @@ import numpy as np
 from ..learning.artefact import trained_beside_temperatures
 from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
-from ..learning.network_bounds import CORRECTION, SHIFT, SPREAD
 from ..load import message_from_shape
 from ..torque.presliding import doubt_after
 from .contact_gate import ContactGate
 from .information import message_covariance
 from .innovation_scale import InnovationScale
 from .load_prior import load_prior
+from .lstm_cell import LstmCell
 from .method import Belief, check_origin, fitting, joined_state, part_of
 from .mismatch import MismatchWatch
 from .regression import LoadRegression, MOVING
@@ -31,69 +30,6 @@ from .weighting import innovation_of, joined_columns
 # Doubt about the friction of an arm that has stood longer [s] than the rests of training: what the
 # network has not seen it is not asked about, and time stands still for it.
 RESTED = doubt_after(1.0)
-
-
-def _gates(weights):
-    """
-    Return (F + H + 1, 4 H) for inputs, output and a 1 side by side; gate order i, f, o, g.
-
-    A sigmoid is half a tanh of half its argument, so that one tanh serves all gates.
-    """
-    bias = weights['lstm.bias_ih_l0'] + weights['lstm.bias_hh_l0']
-    joined = np.concatenate([weights['lstm.weight_ih_l0'], weights['lstm.weight_hh_l0'],
-                             bias[:, None]], axis=1)
-    hidden = len(bias) // 4
-    order = np.r_[:2 * hidden, 3 * hidden:4 * hidden, 2 * hidden:3 * hidden]
-    halved = np.repeat([0.5, 0.5, 0.5, 1.0], hidden)
-    return np.ascontiguousarray((joined[order] * halved[:, None]).T)
-
-
-def _head(weights, name, unit):
-    """Return matrix and bias of a head with each output in its unit."""
-    return (np.ascontiguousarray((weights[f'{name}.weight'] / unit[:, None]).T),
-            weights[f'{name}.bias'] / unit)
-
-
-class LstmCell:
-    """
-    One LSTM layer run along every joint, and its heads; torch's gate order i, f, g, o.
-
-    memory: output and cell state, (n, H) each; fingerprint: numbers that differ where weights do.
-    """
-
-    def __init__(self, weights, joints):
-        self._gates = _gates(weights)
-        self._load_bounds = np.repeat([SHIFT, SPREAD], 10)
-        self._joint = _head(weights, 'joint_head', np.ones(1))
-        # A tanh that is bounded by its slope at zero.
-        self._load = _head(weights, 'load_head', self._load_bounds)
-        self._joints = joints
-        self.fingerprint = np.array([np.abs(value).sum() for value in weights.values()])
-        self.restart()
-
-    def restart(self):
-        """Forget the past."""
-        self.memory = np.zeros((2, self._joints, self._gates.shape[1] // 4))
-        # What the gates see: inputs, output, and a constant for the bias.
-        self._seen = np.ones((self._joints, len(self._gates)))
-
-    def step(self, inputs):
-        """Return correction (n,), shift, spread (10,) for inputs (n, F)."""
-        h, c = self.memory
-        hidden = c.shape[1]
-        seen = self._seen
-        seen[:, :-hidden - 1], seen[:, -hidden - 1:-1] = inputs, h
-        gates = seen.dot(self._gates)
-        np.tanh(gates, out=gates)
-        opened = gates[:, :3 * hidden]
-        opened *= 0.5
-        opened += 0.5
-        c = opened[:, hidden:2 * hidden] * c + opened[:, :hidden] * gates[:, 3 * hidden:]
-        h = opened[:, 2 * hidden:] * np.tanh(c)
-        self.memory = h, c
-        correction = CORRECTION * np.tanh(h.dot(self._joint[0]) + self._joint[1])
-        load = self._load_bounds * np.tanh(h.ravel().dot(self._load[0]) + self._load[1])
-        return correction[:, 0], load[:10], load[10:]
 
 
 class Lstm(Watching):
@@ -182,11 +118,11 @@ class Lstm(Watching):
         self._plain.add(sample, columns, prediction.difference, weights)
         self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
                           weights)
-        self._learned.update_posterior()
         self._settled = False
-        if self._plain.suspects():
-            # What may be another load's is not put off.
-            self._look()
+        if self._plain.look_at(sample.stamp):
+            self._after_change()
+        else:
+            self._learned.update_posterior()
         return self.belief()
 
     def _listen(self, sample):
@@ -209,14 +145,15 @@ class Lstm(Watching):
             self._renew()
         else:
             # At a renewal there is enough to do.
-            self._look()
+            changes = self._plain.changes
+            self._plain.look_for_change()
+            if self._plain.changes > changes:
+                self._after_change()
 
-    def _look(self):
-        changes = self._plain.changes
-        self._plain.look_for_change()
-        if self._plain.changes > changes:
-            self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
-            self._restart()
+    def _after_change(self):
+        """Follow the plain regression, which has begun anew."""
+        self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
+        self._restart()
 
     def _take_back(self, stamp):
         """Return to the load before a change that was a contact, if there was one just now."""

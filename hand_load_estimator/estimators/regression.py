@@ -57,7 +57,7 @@ class LoadRegression:
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._windows = ChangeWindows(self.change, self._recent, n)
-        self._newest, self._ended = None, False
+        self._unchecked = None
         self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
@@ -72,38 +72,39 @@ class LoadRegression:
         moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
         if self._tare is not None:
             difference = difference - columns[:, :10] @ self._zero
-        ended = self._recent.add(columns, difference, weights, moved)
-        if not self._watch:
-            return
-        self._newest = sample.stamp
-        if ended:
-            self._ended = True
+        if self._recent.add(columns, difference, weights, moved) and self._watch:
+            self._unchecked = sample.stamp
             self.trust.take(self._recent.pieces[-1])
             self._windows.take(self._recent.pieces[-1])
 
-    def suspects(self):
-        """Tell whether the newest sample may be another load's, so that to look is urgent."""
-        return (self._newest is not None and self.trust.foretold_before()
-                and self._windows.suspicious())
+    def look_at(self, stamp):
+        """
+        Tell whether the newest sample, of a stamp [s], shows another load; if so, forget the load.
+
+        At once, where the model has foretold the torques well; elsewhere look_for_change does.
+        """
+        if not (self.trust.foretold_before() and self._windows.changed_by_sample()):
+            return False
+        self.begin_anew(stamp, self._pieces_since_change(foretold=True))
+        return True
 
     def look_for_change(self):
         """
-        Test the newest data against older ones; forget the load if it changed.
+        Test the newest pieces against older ones; forget the load if it changed.
 
         If it did not, they tell how far the model is to be trusted.
         """
-        if self._newest is None:
+        if self._unchecked is None:
             return
-        stamp, self._newest = self._newest, None
-        ended, self._ended = self._ended, False
-        if ended:
-            # Torques that vary so much more than stated make so much more evidence by themselves.
-            self._windows.begin(self._evidence * self.trust.factor_before(), self._older_belief)
+        stamp, self._unchecked = self._unchecked, None
         foretold = self.trust.foretold_before()
-        if self._windows.changed(foretold, ended):
+        # Torques that vary so much more than stated make so much more evidence by themselves.
+        self._windows.begin(self._evidence * self.trust.factor_before(), self._older_belief,
+                            foretold)
+        if self._windows.changed_by_pieces(foretold):
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change(foretold))
-        elif ended:
+        else:
             self.trust.look(self._recent.closed())
 
     def update_posterior(self):
@@ -259,7 +260,7 @@ class LoadRegression:
 
     def _forget_windows(self):
         self._windows.clear()
-        self._newest, self._ended = None, False
+        self._unchecked = None
 
     def _pieces_since_change(self, foretold):
         """Return how many pieces are most likely another load's, and the one it came in."""
