@@ -7,8 +7,9 @@ from core_helpers import block, exact_model, messages
 import numpy as np
 import pytest
 
-from hand_load_estimator.estimators import regression
+from hand_load_estimator.estimators import change_windows
 from hand_load_estimator.estimators.bayes import Bayes
+from hand_load_estimator.estimators.change import EVIDENCE
 from hand_load_estimator.estimators.contact_gate import ContactGate
 from hand_load_estimator.estimators.information import Information
 from hand_load_estimator.estimators.residual_watch import ResidualWatch
@@ -124,7 +125,8 @@ def test_the_gate_judges_by_what_is_stated(samples, predicted):
 def test_a_change_takes_evidence_beyond_what_the_share_makes_of_model_error(
         samples, predicted, monkeypatch, share, factor, changes):
     """Variances of a quarter make fourfold evidence of the same error; the limit never falls."""
-    monkeypatch.setattr(regression, 'log_bayes_factor', lambda *_: factor * regression.EVIDENCE)
+    monkeypatch.setattr(change_windows, 'log_bayes_factor', lambda *_: factor * EVIDENCE)
+    monkeypatch.setattr(Information, 'left_by', lambda *_: np.inf)
     method = Bayes(model_of(share), predicted[1.0][0].model_columns.shape[1])
     for sample, prediction in zip(samples[:100], predicted[1.0]):
         method.update(sample, prediction)

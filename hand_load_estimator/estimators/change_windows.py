@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .change import log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT, strongest_joint
+from .change import (FORETOLD, log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT,
+                     strongest_joint)
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,9 @@ class ChangeWindows:
 
     change (10, 10): covariance of what the products may change by with the load. A window begins
     some pieces back and grows with every sample, until it is begun anew. Where the model has
-    foretold the torques well, every sample is tested, also for a slip of the grasp, the longest
-    window for small changes, and no joint is suspected instead. Elsewhere what ails an arm looks
-    like another load the more often, the more is asked.
+    foretold the torques well, less evidence is asked for, every sample is tested, also for a slip
+    of the grasp, the longest window for small changes, and no joint is suspected instead.
+    Elsewhere what ails an arm looks like another load the more often, the more is tested.
     """
 
     def __init__(self, change, recent, n):
@@ -49,7 +50,7 @@ class ChangeWindows:
         """
         Begin windows anew where a piece has just ended: the short one, and another in turn.
 
-        needed: evidence asked for [nats]; older_of(Information) -> Older; foretold: whether the
+        needed: evidence asked for of a model that does not foretell [nats]; older_of(Information) -> Older; foretold: whether the
         model has foretold the torques well.
         """
         self._needed, self._turn = needed, 1 - self._turn
@@ -76,7 +77,7 @@ class ChangeWindows:
     def _changed(self, count, foretold):
         recent, older = self._windows[count]
         recent = self._recent.with_open(recent)
-        needed = self._needed * (OF_A_MOMENT if count == SHORT else 1.0)
+        needed = self._needed * (FORETOLD if foretold else OF_A_MOMENT if count == SHORT else 1.0)
         # No log Bayes factor is larger than that.
         if 0.5 * recent.left_by(older.mean) <= needed:
             return False
