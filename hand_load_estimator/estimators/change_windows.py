@@ -50,8 +50,8 @@ class ChangeWindows:
         """
         Begin windows anew where a piece has just ended: the short one, and another in turn.
 
-        needed: evidence asked for of a model that does not foretell [nats]; older_of(Information) -> Older; foretold: whether the
-        model has foretold the torques well.
+        needed: evidence asked for of a model that does not foretell [nats];
+        older_of(Information) -> Older; foretold: whether the model has foretold the torques well.
         """
         self._needed, self._turn = needed, 1 - self._turn
         due = SHORT, (MIDDLE, LONG if foretold else None)[self._turn]
