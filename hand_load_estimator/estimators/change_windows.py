@@ -77,7 +77,8 @@ class ChangeWindows:
     def _changed(self, count, foretold):
         recent, older = self._windows[count]
         recent = self._recent.with_open(recent)
-        needed = self._needed * (FORETOLD if foretold else OF_A_MOMENT if count == SHORT else 1.0)
+        needed = (self._needed * (FORETOLD if foretold else 1.0)
+                  * (OF_A_MOMENT if count == SHORT else 1.0))
         # No log Bayes factor is larger than that.
         if 0.5 * recent.left_by(older.mean) <= needed:
             return False
