@@ -35,8 +35,8 @@ OF_A_MOMENT = 2.0
 EVIDENCE = 25.0
 # Where the model has foretold the torques well, this share of it: two development arms, each ten
 # minutes from cold, showed no evidence above 1. Four tenths see slips a little sooner still, and
-# sick arms that look healthy change three times as often; a moment for which no more is asked than
-# for longer takes three more pushes of 24 for loads.
+# half as many false changes again on arms that ail; a moment for which no more is asked than for
+# longer takes three more pushes of 24 for loads.
 FORETOLD = 0.6
 # How far a joint may have changed, in standard deviations of its stated drift: the likeliest of
 # these counts, because how well a model knows its drift says nothing of what breaks.
