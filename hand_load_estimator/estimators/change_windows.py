@@ -39,7 +39,7 @@ class ChangeWindows:
 
     def clear(self):
         """Forget all windows."""
-        self._windows, self._begun = {}, []
+        self._windows, self._begun, self._foretold = {}, [], False
 
     def take(self, piece):
         """Take the piece of Information that has just ended."""
@@ -53,7 +53,7 @@ class ChangeWindows:
         needed: evidence asked for of a model that does not foretell [nats];
         older_of(Information) -> Older; foretold: whether the model has foretold the torques well.
         """
-        self._needed, self._turn = needed, 1 - self._turn
+        self._needed, self._turn, self._foretold = needed, 1 - self._turn, foretold
         due = SHORT, (MIDDLE, LONG if foretold else None)[self._turn]
         splits = {count: self._recent.split(count) for count in due if count}
         self._begun = [count for count, split in splits.items() if split is not None]
@@ -62,28 +62,29 @@ class ChangeWindows:
 
     def changed_by_sample(self):
         """Tell whether the newest sample shows another load, of a model that foretells."""
-        return any(self._changed(count, True) for count in self._windows if count != LONG)
+        return self._foretold and any(self._changed(count) for count in self._windows
+                                      if count != LONG)
 
-    def changed_by_pieces(self, foretold):
+    def changed_by_pieces(self):
         """Tell whether the windows that have just begun show another load."""
-        return any(self._changed(count, foretold) for count in self._begun)
+        return any(self._changed(count) for count in self._begun)
 
-    def evidence(self, recent, older, foretold):
+    def evidence(self, recent, older):
         """Return the log Bayes factor of another load, or of a slip, from Information, Older."""
-        changes = (self._change, older.slip) if foretold else (self._change,)
+        changes = (self._change, older.slip) if self._foretold else (self._change,)
         return max(log_bayes_factor(recent, older.mean, older.precision, change)
                    for change in changes)
 
-    def _changed(self, count, foretold):
+    def _changed(self, count):
         recent, older = self._windows[count]
         recent = self._recent.with_open(recent)
-        needed = (self._needed * (FORETOLD if foretold else 1.0)
+        needed = (self._needed * (FORETOLD if self._foretold else 1.0)
                   * (OF_A_MOMENT if count == SHORT else 1.0))
         # No log Bayes factor is larger than that.
         if 0.5 * recent.left_by(older.mean) <= needed:
             return False
-        evidence = self.evidence(recent, older, foretold)
+        evidence = self.evidence(recent, older)
         # A slip may show in one joint only. Where the model has foretold the torques that well,
         # a joint that suddenly is another is less likely still.
-        return evidence > needed and (foretold or evidence > strongest_joint(
+        return evidence > needed and (self._foretold or evidence > strongest_joint(
             recent, older.mean, older.precision, self._joints))

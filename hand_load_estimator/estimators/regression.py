@@ -83,9 +83,9 @@ class LoadRegression:
 
         At once, where the model has foretold the torques well; elsewhere look_for_change does.
         """
-        if not (self.trust.foretold_before() and self._windows.changed_by_sample()):
+        if not self._windows.changed_by_sample():
             return False
-        self.begin_anew(stamp, self._pieces_since_change(foretold=True))
+        self.begin_anew(stamp, self._pieces_since_change())
         return True
 
     def look_for_change(self):
@@ -97,13 +97,12 @@ class LoadRegression:
         if self._unchecked is None:
             return
         stamp, self._unchecked = self._unchecked, None
-        foretold = self.trust.foretold_before()
         # Torques that vary so much more than stated make so much more evidence by themselves.
         self._windows.begin(self._evidence * self.trust.factor_before(), self._older_belief,
-                            foretold)
-        if self._windows.changed_by_pieces(foretold):
+                            self.trust.foretold_before())
+        if self._windows.changed_by_pieces():
             # Nobody knows since when: a change is seen while the window still holds old data.
-            self.begin_anew(stamp, self._pieces_since_change(foretold))
+            self.begin_anew(stamp, self._pieces_since_change())
         else:
             self.trust.look(self._recent.closed())
 
@@ -262,14 +261,14 @@ class LoadRegression:
         self._windows.clear()
         self._unchecked = None
 
-    def _pieces_since_change(self, foretold):
+    def _pieces_since_change(self):
         """Return how many pieces are most likely another load's, and the one it came in."""
         evidence = {}
         for count in range(1, LONG + 1):
             split = self._recent.split(count)
             if split is not None:
                 evidence[count] = self._windows.evidence(
-                    self._recent.with_open(split[1]), self._older_belief(split[0]), foretold)
+                    self._recent.with_open(split[1]), self._older_belief(split[0]))
         return 1 + max(evidence, key=evidence.get)
 
     def _older_belief(self, older):
