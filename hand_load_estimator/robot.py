@@ -200,9 +200,19 @@ class Robot:
 
     def hand_jacobian(self, q):
         """Return (3, n): velocity of the load frame's origin, in base axes, per joint speed."""
+        return self._hand_jacobian(q)[:3].copy()
+
+    def _hand_jacobian(self, q):
         frame = self.model.getFrameId(self.load_frame)
-        return pin.computeFrameJacobian(self.model, self._data, q, frame,
-                                        pin.LOCAL_WORLD_ALIGNED)[:3].copy()
+        return pin.computeFrameJacobian(self.model, self._data, q, frame, pin.LOCAL_WORLD_ALIGNED)
+
+    def hand_wrench_columns(self, q):
+        """
+        Return (n, 6): joint torque of a force and a moment on the hand of size one each.
+
+        Both act at the load frame's origin, along the base's axes.
+        """
+        return self._hand_jacobian(q).T.copy()
 
     def mass_matrix(self, q):
         """Return the joint-space mass matrix (n, n) of the nominal links."""

@@ -209,7 +209,6 @@ def test_a_push_on_an_arm_that_stands_leaves_what_was_said(loud):
     method._learned.begin_anew(stamp)
     method._restart()
     assert not np.any(method._shift)
-    method._gate.reason = 'a push'
     method._take_back(stamp + 0.1)
     np.testing.assert_array_equal((method._shift, method._spread), said)
     np.testing.assert_allclose(method._learned.posterior.shape, method._plain.posterior.shape,

@@ -11,7 +11,7 @@ from .measure import robot_and_models
 from .rivals import LeastSquares
 from .suites import CASES_PER_PLANT
 
-CASES = 24
+CASES = 40
 FORCES = (30.0, 60.0)      # [N], in turn
 DURATION = 1.0             # [s] of a push
 START = (5.0, 9.0)         # [s] from the beginning of a run

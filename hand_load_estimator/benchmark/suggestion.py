@@ -18,7 +18,7 @@ from .measure import robot_and_models
 from .scores import NORMAL_95
 from .suites import CASES_PER_PLANT
 
-CASES = 12
+CASES = 40
 ASKED = 1.5           # [s] the arm stands before it moves
 LENGTH = 8.0          # [s] watched from then on
 PAUSE = 0.3           # [s] the arm stands before it is asked for the next motion

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from .contact_gate import ContactGate
+from .contact_watch import ContactWatch
 from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
 from .regression import LoadRegression
-from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -29,11 +28,9 @@ class Bayes(Watching):
         self._watcher = self._regression = LoadRegression(
             load_prior(robot), robot.n, uncertainties, robot.effort.torque_constants_std,
             load_share=model.residuals.load_share)
-        self._rest = RestWatch(robot.joints, model.noise, self._regression.change)
+        self._contacts = ContactWatch(model, self._regression, uncertainties)
         self._watch = MismatchWatch(robot.joints, model.residuals.rmse)
         self._scale = InnovationScale(model.residuals.rmse)
-        self._gate = ContactGate(robot.joints, model.residuals.rmse, self._regression.change,
-                                 robot.effort.torque_constants_std)
         self._known = self._regression.known()
         self.innovation, self.spread = np.zeros((2, robot.n))
         self.refused = False
@@ -41,24 +38,23 @@ class Bayes(Watching):
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return (self._gate.reason or self._rest.reason or self._watch.reason
-                or self.trust.misfit)
+        return self._contacts.reason or self._watch.reason or self.trust.misfit
 
     def update(self, sample, prediction):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
+        if (self._contacts.was_a_push(sample, columns, prediction)
+                and self._take_back(sample.stamp, surely=True)):
+            self._contacts.hold()
         innovation, spread, torque = self._unexpected(prediction, columns)
-        contact = self._gate.update(prediction, innovation, torque, sample.dt)
-        beyond = self._rest.update(sample, innovation, spread, prediction)
-        if beyond != NOTHING:
-            contact = self._gate.refuses(prediction, innovation, torque)
-        self.refused = contact
-        if contact:
-            if self._gate.reason and self._regression.take_back(sample.stamp):
-                self._known = self._regression.known()
+        self.refused, another = self._contacts.update(sample, prediction, innovation, spread,
+                                                      torque)
+        if self.refused:
+            if self._contacts.contact and not self._take_back(sample.stamp):
+                self._leave_out_onset()
             return self.belief()
-        if beyond == ANOTHER_LOAD:
+        if another:
             self._regression.begin_anew(sample.stamp)
             innovation, spread = self._after_change(prediction, columns)
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
@@ -71,9 +67,21 @@ class Bayes(Watching):
             self._regression.update_posterior()
         return self.belief()
 
+    def _leave_out_onset(self):
+        if self._contacts.began:
+            self._regression.drop_newest()
+            self._known = self._regression.known()
+
+    def _take_back(self, stamp, surely=False):
+        taken = self._regression.take_back(stamp, surely)
+        if taken:
+            self._known = self._regression.known()
+        return taken
+
     def _after_change(self, prediction, columns):
         """Begin the watches anew; return innovation and its variance (n,) by the new belief."""
         self._clear_watches()
+        self._contacts.changed()
         self._known = self._regression.known()
         return self._unexpected(prediction, columns)[:2]
 
@@ -89,6 +97,7 @@ class Bayes(Watching):
         self._regression.look_for_change()
         if self.changes > changes:
             self._clear_watches()
+            self._contacts.changed()
         self._known = self._regression.known()
 
     @property
@@ -121,8 +130,7 @@ class Bayes(Watching):
     def _clear_watches(self):
         self._watch.clear()
         self._scale.clear()
-        self._gate.clear()
-        self._rest.restart()
+        self._contacts.clear()
 
     def state(self):
         """Return the state of the regression, and how innovations were."""

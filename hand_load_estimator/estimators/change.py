@@ -69,7 +69,7 @@ def log_bayes_factor(recent, older_mean, older_precision, change):
     recent: Information; older_mean (d,), older_precision (d, d): belief without it; change
     (10, 10): covariance of what a load may change by.
     """
-    return _factor_of(*_told_of(slice(10), recent, older_mean, older_precision), change)
+    return factor_of(*_told_of(slice(10), recent, older_mean, older_precision), change)
 
 
 def strongest_joint(recent, older_mean, older_precision, n):
@@ -81,7 +81,7 @@ def strongest_joint(recent, older_mean, older_precision, n):
     b, a = _told_of(slice(len(older_mean) - DRIFTS * n, None), recent, older_mean,
                     older_precision)
     drifts = [joint + n * np.arange(DRIFTS) for joint in range(n)]
-    return max(_factor_of(b[own], a[np.ix_(own, own)], spread ** 2 * unit(DRIFTS))
+    return max(factor_of(b[own], a[np.ix_(own, own)], spread ** 2 * unit(DRIFTS))
                for own in drifts for spread in ANY_JOINT)
 
 
@@ -94,7 +94,7 @@ def _told_of(where, recent, older_mean, older_precision):
     return solved[:, 0], solved[:, 1:]
 
 
-def _factor_of(b, a, change):
+def factor_of(b, a, change):
     """Return the log Bayes factor of a change of covariance (k, k); b, a: as of _told_of."""
     inflated = unit(len(b)) + a @ change
     quadratic = b @ change @ np.linalg.solve(inflated, b)
@@ -142,6 +142,13 @@ class RecentData:
             self.older.scale(kept)
             self.older.add(self.pieces.popleft())
         return True
+
+    def drop_newest(self):
+        """Forget the open piece and the last one."""
+        self._open, self._length = Information(*self.size), 0.0
+        if self.pieces:
+            self._closed.take_off(self.pieces.pop(), 1.0)
+            self._lengths.pop()
 
     def total(self):
         """Return the Information of everything kept."""

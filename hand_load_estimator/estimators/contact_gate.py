@@ -37,7 +37,8 @@ class ContactGate:
 
     joints: names; rmse (n,) [Nm]: residual of the torque model; change (10, 10): covariance of
     what the products may change by with the load; gain_doubt: relative standard deviation of
-    torque constants. reason: why, in words, while in contact.
+    torque constants. reason: why, in words, while in contact; gave_up: whether the last contact
+    was let through, as one that lasts.
     """
 
     def __init__(self, joints, rmse, change, gain_doubt=0.0):
@@ -51,14 +52,21 @@ class ContactGate:
 
     def clear(self):
         """Forget a contact; what is usual stays."""
-        self._beyond, self._calm, self.reason = 0.0, OVER, ''
+        self._beyond, self._calm, self.reason, self.gave_up = 0.0, OVER, '', False
         self._lasting, self._peak = 0.0, 0.0
 
-    def update(self, prediction, innovation, load_torque, dt):
+    def hold(self):
+        """Be in contact: a push was told that at any one moment another load explains, too."""
+        self.clear()
+        self._calm, self.reason = 0.0, (
+            'contact: a push on the hand explains the torques, no load does for long; kept out of '
+            'the estimate')
+
+    def update(self, prediction, innovation, load_torque, dt, pushed=False):
         """
         Take a Prediction, innovation and believed load torque (n,) [Nm]; dt [s].
 
-        Return whether to leave the sample out.
+        pushed: whether a push is known to go on. Return whether to leave the sample out.
         """
         unexplained, left, alone = self._unexplained(prediction, innovation, load_torque)
         if prediction.doubt.min() < KNOWN:
@@ -70,17 +78,19 @@ class ContactGate:
             memory = max(min(self._seen, MEMORY), dt)
             self._usual += dt / memory * (unexplained / len(left) - self._usual)
         self._beyond = self._beyond + dt if over else 0.0
-        calm = dt if alone < limit else dt * OVER / OVER_WITH_ANOTHER
+        calm = dt if alone < limit else 0.0 if pushed else dt * OVER / OVER_WITH_ANOTHER
         self._calm = 0.0 if over else self._calm + calm
         contact = self._beyond >= SHORTEST or bool(self.reason and self._calm < OVER)
         if not contact:
             self._lasting, self._peak, self.reason = 0.0, 0.0, ''
             return over
+        self.gave_up = False
         self._lasting, self._peak = self._lasting + dt, max(self._peak, unexplained)
         if self._lasting > LONGEST:
             # From here on this is what is usual, and twice as much is not sudden.
-            self._usual = 2.0 * self._peak / self._limit
+            self._usual = max(self._usual, 2.0 * self._peak / self._limit)
             self.clear()
+            self.gave_up = True
             return False
         if over:
             self._say(left)

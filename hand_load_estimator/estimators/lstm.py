@@ -15,7 +15,7 @@ from ..learning.features import REFRESH, SlowResidual, features
 from ..learning.interval_factors import factors_at, level_of
 from ..load import message_from_shape
 from ..torque.presliding import doubt_after
-from .contact_gate import ContactGate
+from .contact_watch import ContactWatch
 from .information import message_covariance
 from .innovation_scale import InnovationScale
 from .load_prior import load_prior
@@ -23,7 +23,6 @@ from .lstm_cell import LstmCell
 from .method import Belief, check_origin, fitting, joined_state, part_of
 from .mismatch import MismatchWatch
 from .regression import LoadRegression, MOVING
-from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -47,15 +46,13 @@ class Lstm(Watching):
         self._learned = LoadRegression(*size, doubt_elsewhere=True, trust=self._plain.trust)
         self._beside_temperatures = trained_beside_temperatures(artefact.card)
         self._asked = not self._beside_temperatures
-        self._rest = RestWatch(self._robot.joints, model.noise, self._plain.change)
+        self._contacts = ContactWatch(model, self._plain, uncertainties)
         self._cell = LstmCell(artefact.weights, self._robot.n)
         self._calibration = artefact.calibration
         self._level = model.friction_level()
         self._prior_std = np.sqrt(np.diag(self._plain.posterior.covariance))
         self._watch = MismatchWatch(self._robot.joints, model.residuals.rmse)
         self._scale = InnovationScale(model.residuals.rmse)
-        self._gate = ContactGate(self._robot.joints, model.residuals.rmse, self._plain.change,
-                                 self._robot.effort.torque_constants_std)
         self._shift, self._spread = np.zeros(10), np.zeros(10)
         self._restart()
 
@@ -72,8 +69,7 @@ class Lstm(Watching):
     @property
     def mismatch(self):
         """Why the model does not explain the residual, or an empty string."""
-        return (self._gate.reason or self._rest.reason or self._watch.reason
-                or self.trust.misfit)
+        return self._contacts.reason or self._watch.reason or self.trust.misfit
 
     @property
     def asked(self):
@@ -90,18 +86,18 @@ class Lstm(Watching):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
+        if (self._contacts.was_a_push(sample, columns, prediction)
+                and self._take_back(sample.stamp, surely=True)):
+            self._contacts.hold()
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
-        contact = self._gate.update(prediction, load[0], load[2], sample.dt)
-        beyond = self._rest.update(sample, *load[:2], prediction)
-        if beyond != NOTHING:
-            contact = self._gate.refuses(prediction, load[0], load[2])
+        contact, another = self._contacts.update(sample, prediction, *load)
         if contact:
-            self._take_back(sample.stamp)
+            if self._contacts.contact and not self._take_back(sample.stamp):
+                self._leave_out_onset()
             return self.belief()
-        if beyond == ANOTHER_LOAD:
+        if another:
             self._plain.begin_anew(sample.stamp)
-            self._learned.begin_anew(sample.stamp)
-            self._restart()
+            self._after_change()
             load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         self._watch.update(load[0], load[1] + prediction.stuck, sample.dt)
         self._scale.update(load[0], load[1] + prediction.stuck + prediction.noise, sample)
@@ -154,14 +150,23 @@ class Lstm(Watching):
         """Follow the plain regression, which has begun anew."""
         self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
         self._restart()
+        self._contacts.changed()
 
-    def _take_back(self, stamp):
-        """Return to the load before a change that was a contact, if there was one just now."""
-        if self._gate.reason and self._plain.take_back(stamp):
-            self._learned.take_back(stamp)
+    def _leave_out_onset(self):
+        if self._contacts.began:
+            self._plain.drop_newest()
+            self._learned.drop_newest()
+            self._renew()
+
+    def _take_back(self, stamp, surely=False):
+        """Return to the load before a change that was a contact, if so; tell whether."""
+        taken = self._plain.take_back(stamp, surely)
+        if taken:
+            self._learned.take_back(stamp, surely)
             self._cell.restart()
             self._shift, self._spread = self._said_before
             self._renew()
+        return taken
 
     def belief(self):
         """Return the present Belief."""
@@ -215,8 +220,7 @@ class Lstm(Watching):
         self._cell.restart()
         self._watch.clear()
         self._scale.clear()
-        self._gate.clear()
-        self._rest.restart()
+        self._contacts.clear()
         self._slow = SlowResidual(self._robot.n)
         self._count, self._settled = 0, True
         self._correction = np.zeros(self._robot.n)

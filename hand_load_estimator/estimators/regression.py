@@ -36,7 +36,7 @@ class LoadRegression:
     were scaled by; trust: the ModelTrust of a LoadRegression that looks for load changes and for
     what the model does not foretell; without one it does so itself.
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
-    how many pieces of recent data it reaches back. change (10, 10): covariance of what the
+    how many pieces of recent data it reaches back; older_belief: the Older before it. change (10, 10): covariance of what the
     products may change by when the load does. The last DRIFTS * n nuisances are the joints'
     (torque_model.nuisance_columns).
     """
@@ -54,6 +54,8 @@ class LoadRegression:
         self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
+        self.older_belief = None
+        self._kept, self._kept_before = -np.inf, -np.inf
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._windows = ChangeWindows(self.change, self._recent, n)
@@ -98,13 +100,21 @@ class LoadRegression:
             return
         stamp, self._unchecked = self._unchecked, None
         # Torques that vary so much more than stated make so much more evidence by themselves.
-        self._windows.begin(self._evidence * self.trust.factor_before(), self._older_belief,
+        self._windows.begin(self.evidence_needed(), self._older_belief,
                             self.trust.foretold_before())
         if self._windows.changed_by_pieces():
             # Nobody knows since when: a change is seen while the window still holds old data.
             self.begin_anew(stamp, self._pieces_since_change())
         else:
             self.trust.look(self._recent.closed())
+
+    def evidence_needed(self):
+        """Return the evidence [nats] asked of a change where the model does not foretell."""
+        return self._evidence * self.trust.factor_before()
+
+    def present_belief(self):
+        """Return the Older that all data so far are."""
+        return self._older_belief(self._recent.total())
 
     def update_posterior(self):
         """
@@ -228,24 +238,31 @@ class LoadRegression:
 
         pieces: how many of the newest are no data of the old load, should it come back.
         """
-        again = 0.0 <= stamp - self._returned < NOT_TWICE
         older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
-        before = None if again else (older, self._start, trust)
+        start = self._start
+        self.older_belief = self._older_belief(older)
         if self._watch:
             self.trust.begin_anew(pieces)
         self._forget_data()
-        self._before = before
+        self._before = older, start, trust
         self.changes += 1
         self.last_change, self.changed_pieces = stamp, pieces
+        self._kept_before, self._kept = self._kept, stamp
 
-    def take_back(self, stamp):
+    def take_back(self, stamp, surely=False):
         """
         Return to the load before the newest change, if that was just now; tell whether.
 
-        What looked like another load has turned out to be a contact.
+        What looked like another load has turned out to be a contact, surely so or not. Where it is
+        not sure, a load that was taken back just before and comes again is let be; and always one
+        that comes soon after another: the model may misread the first.
         """
         if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
             return False
+        since = self._kept_before if surely else self._returned
+        if 0.0 <= self.last_change - since < NOT_TWICE:
+            return False
+        self._kept = self._kept_before
         older, self._start, trust = self._before
         self._before, self._returned = None, stamp
         self._recent.begin_with(older)
@@ -256,6 +273,14 @@ class LoadRegression:
         self.last_change = stamp
         self.update_posterior()
         return True
+
+    def drop_newest(self):
+        """Forget the last tenth of a second of motion, in which a contact has begun."""
+        self._recent.drop_newest()
+        if self._watch:
+            self.trust.resume(**self.trust.state_before(1))
+        self._forget_windows()
+        self.update_posterior()
 
     def _forget_windows(self):
         self._windows.clear()

@@ -1,0 +1,167 @@
+"""A push that any one moment takes for another load is told from it while the hand moves."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hand_load_estimator.estimators.change import change_covariance, EVIDENCE
+from hand_load_estimator.estimators.change_windows import Older
+from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.push_watch import ANEW, PushWatch, SETTLING
+from hand_load_estimator.estimators.regression import LoadRegression
+from hand_load_estimator.load import LoadParameters
+
+# [s] The push begins long after the last change, and goes on for so long.
+FROM, LASTS = 109.0, 1.0
+MASS = 4.0
+
+
+@pytest.fixture(scope='module')
+def model():
+    return exact_model('ur10e')
+
+
+def pushed(model, stream, wrench, first=FROM, last=FROM + LASTS):
+    """Return Messages with a force [N] and a moment [Nm] (6,) on the hand, in base axes."""
+    out = []
+    for m in stream:
+        share = np.clip(min(m.stamp - first, last - m.stamp) / 0.05, 0.0, 1.0)
+        torque = model.robot.hand_wrench_columns(m.position) @ wrench
+        out.append(replace(m, effort=m.effort - share * torque))
+    return out
+
+
+def test_columns_are_the_work_of_a_force_and_a_moment(model):
+    """Virtual work: of turning each joint by little, what the hand moves and turns by."""
+    robot, rng = model.robot, np.random.default_rng(4)
+    q, wrench = rng.normal(size=6), rng.normal(size=6)
+    frame = robot.model.getFrameId(robot.load_frame)
+
+    def hand(position):
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, position)
+        return data.oMf[frame]
+
+    work = []
+    for step in 1e-6 * np.eye(6):
+        ahead, behind = hand(q + step), hand(q - step)
+        moved = ahead.translation - behind.translation
+        turned = pin.log3(ahead.rotation @ behind.rotation.T)
+        work.append((wrench[:3] @ moved + wrench[3:] @ turned) / 2e-6)
+    np.testing.assert_allclose(robot.hand_wrench_columns(q) @ wrench, work, atol=1e-6)
+
+
+DOWN, UP, BESIDE = (0, 0, -40, 0, 0, 0), (0, 0, 40, 0, 0, 0), (0, 15, 30, 3, 0, 2)
+
+
+@pytest.mark.parametrize('seed, wrench', [(2, DOWN), (2, UP), (4, UP), (0, BESIDE), (3, BESIDE)])
+def test_a_push_that_a_load_could_make_is_taken_back(model, seed, wrench):
+    stream = messages(model, block(MASS), 13.0, seed=seed)
+    estimates = feed(warm(pipeline_of(model)), pushed(model, stream, wrench))
+    wrong = [e.stamp for e in estimates if abs(e.mean[0] - MASS) > 0.05 and e.stamp > FROM]
+    assert wrong and max(wrong) < FROM + 0.25, 'taken for a load at first'
+    told = [e for e in estimates if FROM + 0.3 < e.stamp < FROM + LASTS]
+    assert all('contact' in e.reason and e.load_id == 2 for e in told)
+    last = estimates[-1]
+    assert last.load_id == 2 and last.status == 'DETERMINED'
+    assert abs(last.mean[0] - MASS) < 4.0 * last.std[0]
+
+
+def test_a_push_that_a_load_makes_all_but_a_hundredth_of_is_one(model):
+    """As where the hand hardly turns: a load that is a little misread looks no other."""
+    stream = messages(model, block(MASS), 13.0, seed=1)
+    estimates = feed(warm(pipeline_of(model)), pushed(model, stream, DOWN))
+    assert not any('contact' in e.reason for e in estimates)
+    assert abs(estimates[-1].mean[0] - MASS) < 0.05
+
+
+def test_what_begins_a_contact_is_left_out_too(model, monkeypatch):
+    """The first moments of a push are below what makes a contact, and far above the noise."""
+    stream = pushed(model, messages(model, block(MASS), 11.5), UP)
+    assert feed(warm(pipeline_of(model)), stream)[-1].load_id == 0
+    monkeypatch.setattr(LoadRegression, 'drop_newest', lambda self: None)
+    assert feed(warm(pipeline_of(model)), stream)[-1].load_id > 0, 'what comes after is another'
+
+
+@pytest.mark.parametrize('after', [LoadParameters(), block(2.0), block(9.0)])
+@pytest.mark.parametrize('seed', range(2))
+def test_another_load_is_no_push(model, after, seed):
+    stream = messages(model, block(MASS), 12.0, seed=seed, change=(9.0, after))
+    estimates = feed(warm(pipeline_of(model)), stream)
+    assert [e.load_id for e in estimates][-1] == 1
+    assert not any('contact' in e.reason for e in estimates)
+
+
+def test_a_push_soon_after_another_load_is_let_be(model):
+    """The load may be misread, and what comes of that look like a push."""
+    stream = messages(model, block(MASS), 13.0, seed=2, change=(6.0, block(MASS + 2.0)))
+    estimates = feed(warm(pipeline_of(model)), pushed(model, stream, DOWN))
+    told = [e for e in estimates if FROM + 0.3 < e.stamp < FROM + LASTS]
+    assert not any(e.reason.startswith('contact: a push') for e in told)
+    assert max(abs(e.mean[0] - MASS - 2.0) for e in told) > 1.0
+    assert abs(estimates[-1].mean[0] - MASS - 2.0) < 0.1
+
+
+@pytest.mark.parametrize('wrench', [DOWN, UP])
+def test_a_push_that_never_ends_is_let_through_at_last(model, wrench):
+    stream = messages(model, block(MASS), 28.0, seed=2)
+    estimates = feed(warm(pipeline_of(model)), pushed(model, stream, wrench, FROM, 200.0))
+    told = [e.stamp for e in estimates if 'contact' in e.reason]
+    assert told and max(told) < FROM + 16.0
+
+
+class Watched:
+    """A PushWatch of an arm that moves, or hardly does, and a torque that begins at once."""
+
+    def __init__(self, model, speed):
+        self._robot, self._speed, self._time = model.robot, speed, 0.0
+        self._rng, prior = np.random.default_rng(2), load_prior(model.robot)
+        self.watch = PushWatch(model.robot, prior, change_covariance(prior), 0)
+        self._held = block(MASS).to_products()
+        self.watch.begin(Older(self._held, np.diag(np.full(10, 1e6)), np.zeros((10, 10))),
+                         EVIDENCE, longest=1.0)
+
+    def take(self, seconds, wrench=(0, 0, 0, 0, 0, 0), more=None):
+        """Let a wrench (6,) act, or a load's products beside it; return what was told."""
+        held, out = self._held + (0.0 if more is None else more.to_products()), []
+        for _ in range(round(seconds / 0.02)):
+            self._time += 0.02
+            angle = 1.0 + self._speed * np.sin(3.0 * self._time) * np.linspace(1.0, 0.5, 6)
+            speed = self._speed * 3.0 * np.cos(3.0 * self._time) * np.linspace(1.0, 0.5, 6)
+            columns = self._robot.load_regressor(angle, speed, -9.0 * (angle - 1.0))
+            difference = (columns @ held + self._robot.hand_wrench_columns(angle) @ wrench
+                          + 0.3 * self._rng.normal(size=6))
+            out.append(self.watch.take(SimpleNamespace(q=angle, dt=0.02), columns, SimpleNamespace(
+                difference=difference, density=np.full(6, 0.02 * 0.3 ** 2))))
+        return out
+
+
+def test_what_the_filter_still_shows_is_not_asked(model):
+    watched = Watched(model, 0.3)
+    watched.watch._evidence = None
+    assert not any(watched.take(SETTLING - 0.01, DOWN))
+
+
+def test_a_push_is_told_and_another_load_ends_the_watch(model):
+    pushed, loaded = Watched(model, 1.0), Watched(model, 1.0)
+    told = pushed.take(0.3, DOWN)
+    assert told[-1] and pushed.watch.begun
+    assert not any(loaded.take(0.3, more=block(3.0))) and not loaded.watch.begun
+
+
+def test_of_a_hand_that_hardly_moves_nothing_is_told(model):
+    watched = Watched(model, 1e-3)
+    assert not any(watched.take(0.9, DOWN)) and watched.watch.begun
+    watched.take(0.2, DOWN)
+    assert not watched.watch.begun, 'not for longer than it was told to'
+
+
+def test_a_push_that_gives_way_to_a_load_is_told_no_more(model):
+    watched = Watched(model, 1.0)
+    watched.watch._left = np.inf
+    assert watched.take(0.3, DOWN)[-1]
+    assert not watched.take(2.0 * ANEW + 0.1, more=block(3.0))[-1]
