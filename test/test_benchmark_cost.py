@@ -79,6 +79,7 @@ def test_e2_6_every_function_of_the_difference_can_be_chosen_and_is_learned():
     assert functions_of(('bayes', 'lstm')) == ()
     assert functions_of(('gp_bayes', 'gp_swarm')) == ('gp',)
     assert functions_of(('gp_bayes_distilled',)) == ('distilled',)
+    assert functions_of(('gp_bayes_calibrated', 'bayes_calibrated')) == ('gp',)
     assert functions_of(('gp_bayes_known_load',)) == ('known_load',)
     assert functions_of() == tuple(sorted((*PREDICTORS, 'known_load')))
     with pytest.raises(ConfigurationError, match='--methods.*gp_bayes_neural_process'):

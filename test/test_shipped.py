@@ -121,6 +121,18 @@ def test_every_shipped_direct_network_weighs_what_is_held(network, light_and_hea
         assert abs(belief.mean[0] - load.mass) < 0.2 * abs(expected - load.mass)
 
 
+def test_a_benchmark_runs_calibrated_intervals_where_it_is_asked_to(light_and_heavy):
+    model = read_model(find_shared('ur10e', 'models'))
+    names = 'bayes', 'bayes_calibrated'
+    plain, ours = (racing := our_contestants(model, names, None)).values()
+    assert tuple(racing) == names
+    for sample in light_and_heavy[0][1]:
+        stated, true = (contestant.update(sample) for contestant in (plain, ours))
+    np.testing.assert_array_equal(stated.mean, true.mean)
+    factors = np.sqrt(true.covariance.diagonal() / stated.covariance.diagonal())
+    assert (factors[4:] < 0.95).all(), 'the moments of inertia, which bayes states too wide'
+
+
 @pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
 def test_every_method_without_a_network_has_calibrated_intervals_to_ask_for(method):
     """They hold about 95 % of draws that they were not made from, and the prior stays."""

@@ -8,7 +8,7 @@ import pinocchio as pin
 from ..errors import ConfigurationError
 from ..estimators.build import build_method
 from ..estimators.physical_consistency import published
-from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE
+from ..estimators.registry import DEFAULT, METHODS, ON_DIFFERENCE, with_network
 from ..files.shared_files import share_folder
 from ..learning.difference_artefact import PREDICTORS
 from ..torque.model_follower import ModelFollower
@@ -31,6 +31,10 @@ ON_FUNCTION = {f'gp_bayes_{name}': name for name in (*PREDICTORS, KNOWN_LOAD) if
 # A network that reads some joints and answers some parameters (E1.5).
 SUBSET, SUBSET_OF = 'gru_subset', 'gru'
 _SUBSET_FOLDER = 'config/learned/{}_gru_subset'
+# A method without a network whose intervals were made true on draws (`hand_load calibrate`), if
+# such are shipped for the robot: nobody asked for takes part.
+CALIBRATED = '_calibrated'
+_INTERVALS_FOLDER = 'config/learned/{}_{}_intervals'
 # The function that a method needs learned for its torque model.
 FUNCTION = {**dict.fromkeys(sorted(ON_DIFFERENCE), 'gp'), **ON_FUNCTION}
 # The whole arm's regressor: the load's columns alone are no call of pinocchio's.
@@ -40,16 +44,22 @@ REGRESSOR = 'one pinocchio joint torque regressor call (whole arm)'
 def chosen_methods(names=None):
     """Return the names of methods to measure, all by default; raises ConfigurationError."""
     known = (*METHODS, SUBSET, *ON_FUNCTION)
-    unknown = [name for name in names or () if name not in known]
+    calibrated = [name + CALIBRATED for name in METHODS if not with_network(name)]
+    unknown = [name for name in names or () if name not in (*known, *calibrated)]
     if unknown:
         raise ConfigurationError('--methods', 'are not all known', ','.join(unknown),
-                                 ', '.join(known))
+                                 ', '.join((*known, *calibrated)))
     return tuple(names or known)
 
 
 def functions_of(names=None):
     """Return the functions of the torque difference that chosen_methods need, sorted."""
-    return tuple(sorted({FUNCTION[name] for name in chosen_methods(names) if name in FUNCTION}))
+    return tuple(sorted({FUNCTION[name] for name in map(_method, chosen_methods(names))
+                         if name in FUNCTION}))
+
+
+def _method(name):
+    return name.removesuffix(CALIBRATED)
 
 
 class Contestant:
@@ -90,25 +100,35 @@ def our_contestants(model, names, learned, difference=None):
     learned: artefact of the default method, or None for the shipped one; difference: {function:
     folder} of the torque difference learned for this model, without which the methods on one stay
     out. A method without an artefact for this robot falls back on another: it stands once, under
-    the name of that; SUBSET, which none can stand for, stays out.
+    the name of that; SUBSET, which none can stand for, stays out, and so does what is CALIBRATED
+    where no intervals are shipped.
     """
-    out, difference = {}, difference or {}
+    out = {}
     for name in names:
-        function = FUNCTION.get(name)
-        if function and function not in difference:
+        how = _build_arguments(model.robot, name, learned, difference or {})
+        if how is None:
             continue
-        own = difference[function] if function else learned if name == DEFAULT else None
-        method = 'gp_bayes' if name in ON_FUNCTION else name
-        if name == SUBSET:
-            method, own = SUBSET_OF, share_folder() / _SUBSET_FOLDER.format(model.robot.name)
-            if not own.is_dir():
-                continue
-        contestant = Contestant(
-            model, lambda f, n=method, o=own: build_method(model, f.uncertainties, n, o))
+        contestant = Contestant(model, lambda f, a=how: build_method(model, f.uncertainties, *a))
         ran = contestant.method.name
-        out.setdefault(ran if ran in METHODS and not function and name != SUBSET else name,
-                       contestant)
+        out.setdefault(name if ran == how[0] else ran, contestant)
     return out
+
+
+def _build_arguments(robot, name, learned, difference):
+    """Return method, artefact and intervals of a name, or None where it takes no part."""
+    method, intervals = _method(name), None
+    if name == SUBSET:
+        folder = share_folder() / _SUBSET_FOLDER.format(robot.name)
+        return (SUBSET_OF, folder, None) if folder.is_dir() else None
+    function = FUNCTION.get(method)
+    if function and function not in difference:
+        return None
+    if name != method:
+        intervals = share_folder() / _INTERVALS_FOLDER.format(robot.name, method)
+        if not intervals.is_dir():
+            return None
+    own = difference[function] if function else learned if name == DEFAULT else None
+    return 'gp_bayes' if name in ON_FUNCTION else method, own, intervals
 
 
 def contestants(robot, models, names, learned, told=True):
