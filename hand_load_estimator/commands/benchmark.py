@@ -40,15 +40,15 @@ def add_arguments(parser):
                              'shipped for the robot); not for real and effects')
     parser.add_argument('--cases', default=None, type=number(1, kind=int), metavar='N',
                         help='cases per suite (default: 200 of base, 4 per effect of '
-                             'undeclared, 12 of suggestion, 24 of pushes, all of ageing, 40 '
-                             'of others); from '
-                             'more than its own on, an accuracy suite takes 50 plants, on '
-                             'seeds that smaller runs never use')
+                             'undeclared, all of ageing, 40 of others); from more than its '
+                             'own on, an accuracy suite takes 50 plants, on seeds that '
+                             'smaller runs never use')
     parser.add_argument('--methods', default=None, type=_names, metavar='A,B',
                         help='methods to measure, and gru_subset (of the ur10e only), '
                              'gp_bayes_neural_process, gp_bayes_distilled, '
                              'gp_bayes_bayesian_network, gp_bayes_known_load '
-                             '(default: all)')
+                             '(default: all); bayes_calibrated and the like state the '
+                             'intervals shipped for a method without a network')
     parser.add_argument('--rivals', default=(), type=_names, metavar='A,B',
                         help='offline rivals beside us: mujoco.sysid, figaroh (default: none; '
                              'each needs its package)')
