@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
+from lstm_helpers import artefact_of, network_of, pipeline_with, rounded
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -83,7 +84,7 @@ def test_what_begins_a_contact_is_left_out_too(model, monkeypatch):
     """The first moments of a push are below what makes a contact, and far above the noise."""
     stream = pushed(model, messages(model, block(MASS), 11.5), UP)
     assert feed(warm(pipeline_of(model)), stream)[-1].load_id == 0
-    monkeypatch.setattr(LoadRegression, 'drop_newest', lambda self: None)
+    monkeypatch.setattr(LoadRegression, 'drop_newest', lambda self, stamp: None)
     assert feed(warm(pipeline_of(model)), stream)[-1].load_id > 0, 'what comes after is another'
 
 
@@ -94,6 +95,52 @@ def test_another_load_is_no_push(model, after, seed):
     estimates = feed(warm(pipeline_of(model)), stream)
     assert [e.load_id for e in estimates][-1] == 1
     assert not any('contact' in e.reason for e in estimates)
+
+
+@pytest.mark.parametrize('seed, takes', [(21, 0.3), (21, 0.6), (21, 1.2), (3, 0.6)])
+@pytest.mark.parametrize('mass', [0.0, 9.0])
+def test_a_load_that_comes_by_and_by_is_no_push(model, mass, seed, takes):
+    before, after = (messages(model, block(m) if m else LoadParameters(), 13.0, seed=seed)
+                     for m in (MASS, mass))
+    share = [np.clip((m.stamp - FROM) / takes, 0.0, 1.0) for m in before]
+    stream = [replace(a, effort=a.effort + s * (b.effort - a.effort))
+              for a, b, s in zip(before, after, share)]
+    estimates = feed(warm(pipeline_of(model)), stream)
+    assert not any('contact: a push' in e.reason for e in estimates)
+    wrong = [e.stamp for e in estimates if abs(e.mean[0] - mass) > 0.3]
+    assert max(wrong) < FROM + takes + 0.6
+
+
+def test_a_push_beside_what_was_tared_is_told(model):
+    stream = messages(model, block(MASS), 13.0, seed=2)
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, stream[:400])
+    pipeline.tare(stream[399].stamp)
+    estimates = feed(pipeline, pushed(model, stream, DOWN)[400:])
+    wrong = [e.stamp for e in estimates if abs(e.mean[0]) > 0.1 and e.stamp > FROM]
+    assert wrong and max(wrong) < FROM + 0.3 and estimates[-1].load_id == 2
+
+
+def test_lstm_goes_back_with_bayes(model, tmp_path):
+    artefact = artefact_of(tmp_path, model.robot, rounded(network_of(model.robot, size=0.0)))
+    stream = messages(model, block(MASS), 13.0, seed=2)
+    plain, ours = (feed(warm(pipeline), pushed(model, stream, UP)) for pipeline in (
+        pipeline_of(model), pipeline_with(model, artefact)))
+    assert [e.load_id for e in ours] == [e.load_id for e in plain] and ours[-1].load_id == 2
+    told = [['contact' in e.reason for e in estimates] for estimates in (plain, ours)]
+    assert np.mean(np.not_equal(*told)) < 0.01
+    np.testing.assert_allclose(ours[-1].mean[0], plain[-1].mean[0], atol=0.01)
+
+
+def test_contacts_that_follow_one_another_leave_what_was_known(model):
+    """Of what came before the first nothing is left out again for the others."""
+    stream = messages(model, block(MASS), 16.0)
+    known = feed(warm(pipeline_of(model)), stream[:850])[-1].std[0]
+    for first in np.arange(108.5, 114.5, 0.5):
+        stream = pushed(model, stream, (40, 0, 0, 0, 0, 0), first, first + 0.25)
+    estimates = feed(warm(pipeline_of(model)), stream)
+    assert sum('contact' in e.reason for e in estimates) > 50
+    assert estimates[-1].std[0] < 1.3 * known and abs(estimates[-1].mean[0] - MASS) < 0.02
 
 
 def test_a_push_soon_after_another_load_is_let_be(model):
@@ -135,8 +182,8 @@ class Watched:
             columns = self._robot.load_regressor(angle, speed, -9.0 * (angle - 1.0))
             difference = (columns @ held + self._robot.hand_wrench_columns(angle) @ wrench
                           + 0.3 * self._rng.normal(size=6))
-            out.append(self.watch.take(SimpleNamespace(q=angle, dt=0.02), columns, SimpleNamespace(
-                difference=difference, density=np.full(6, 0.02 * 0.3 ** 2))))
+            out.append(self.watch.take(SimpleNamespace(q=angle, dt=0.02), columns, difference,
+                                       np.full(6, 0.02 * 0.3 ** 2)))
         return out
 
 
@@ -162,6 +209,5 @@ def test_of_a_hand_that_hardly_moves_nothing_is_told(model):
 
 def test_a_push_that_gives_way_to_a_load_is_told_no_more(model):
     watched = Watched(model, 1.0)
-    watched.watch._left = np.inf
     assert watched.take(0.3, DOWN)[-1]
     assert not watched.take(2.0 * ANEW + 0.1, more=block(3.0))[-1]

@@ -7,7 +7,7 @@ from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
-from .regression import LoadRegression
+from .regression import LoadRegression, MOVING
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -44,7 +44,7 @@ class Bayes(Watching):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
-        if (self._contacts.was_a_push(sample, columns, prediction)
+        if (self._contacts.look_for_push(sample, columns, prediction)
                 and self._take_back(sample.stamp, surely=True)):
             self._contacts.hold()
         innovation, spread, torque = self._unexpected(prediction, columns)
@@ -52,7 +52,7 @@ class Bayes(Watching):
                                                       torque)
         if self.refused:
             if self._contacts.contact and not self._take_back(sample.stamp):
-                self._leave_out_onset()
+                self._leave_out_onset(sample)
             return self.belief()
         if another:
             self._regression.begin_anew(sample.stamp)
@@ -67,9 +67,9 @@ class Bayes(Watching):
             self._regression.update_posterior()
         return self.belief()
 
-    def _leave_out_onset(self):
-        if self._contacts.began:
-            self._regression.drop_newest()
+    def _leave_out_onset(self, sample):
+        if self._contacts.began and np.abs(sample.v).max() > MOVING:
+            self._regression.drop_newest(sample.stamp)
             self._known = self._regression.known()
 
     def _take_back(self, stamp, surely=False):

@@ -143,10 +143,10 @@ class RecentData:
             self.older.add(self.pieces.popleft())
         return True
 
-    def drop_newest(self):
-        """Forget the open piece and the last one."""
+    def drop_newest(self, last):
+        """Forget the open piece, and the last one where `last` says so."""
         self._open, self._length = Information(*self.size), 0.0
-        if self.pieces:
+        if last and self.pieces:
             self._closed.take_off(self.pieces.pop(), 1.0)
             self._lengths.pop()
 

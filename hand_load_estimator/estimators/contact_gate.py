@@ -88,7 +88,7 @@ class ContactGate:
         self._lasting, self._peak = self._lasting + dt, max(self._peak, unexplained)
         if self._lasting > LONGEST:
             # From here on this is what is usual, and twice as much is not sudden.
-            self._usual = max(self._usual, 2.0 * self._peak / self._limit)
+            self._usual = 2.0 * self._peak / self._limit
             self.clear()
             self.gave_up = True
             return False

@@ -42,16 +42,18 @@ class ContactWatch:
         """Why torques are not the load's: a contact, a joint that sticks; or an empty string."""
         return self._gate.reason or self._rest.reason
 
-    def was_a_push(self, sample, columns, prediction):
+    def look_for_push(self, sample, columns, prediction):
         """
         Tell whether the change of load just now was a push, by a sample and its joined_columns.
 
-        To be asked with every sample, before update.
+        With every sample, before update.
         """
         if self._gate.reason and not self._pushes.begun:
             self._pushes.begin(self._regression.present_belief(),
                                self._regression.evidence_needed(), TAKEN_BACK)
-        return self._pushes.take(sample, columns, prediction) and not self._gate.reason
+        difference = self._regression.beside_tared(columns, prediction.difference)
+        return (self._pushes.take(sample, columns, difference, prediction.density)
+                and not self._gate.reason)
 
     def hold(self):
         """Be in contact until the push has ended, for which a change has been taken back."""

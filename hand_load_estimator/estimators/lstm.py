@@ -86,14 +86,14 @@ class Lstm(Watching):
         """Take one sample; return the Belief after it."""
         self.settle()
         columns = joined_columns(prediction)
-        if (self._contacts.was_a_push(sample, columns, prediction)
+        if (self._contacts.look_for_push(sample, columns, prediction)
                 and self._take_back(sample.stamp, surely=True)):
             self._contacts.hold()
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         contact, another = self._contacts.update(sample, prediction, *load)
         if contact:
             if self._contacts.contact and not self._take_back(sample.stamp):
-                self._leave_out_onset()
+                self._leave_out_onset(sample)
             return self.belief()
         if another:
             self._plain.begin_anew(sample.stamp)
@@ -152,10 +152,10 @@ class Lstm(Watching):
         self._restart()
         self._contacts.changed()
 
-    def _leave_out_onset(self):
-        if self._contacts.began:
-            self._plain.drop_newest()
-            self._learned.drop_newest()
+    def _leave_out_onset(self, sample):
+        if self._contacts.began and np.abs(sample.v).max() > MOVING:
+            self._plain.drop_newest(sample.stamp)
+            self._learned.drop_newest(sample.stamp)
             self._renew()
 
     def _take_back(self, stamp, surely=False):

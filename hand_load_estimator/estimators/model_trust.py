@@ -82,8 +82,12 @@ class ModelTrust:
             self._begin(tare)
         self._precision = as_stated(self._size[1]).precision
         # What nothing was measured before has nothing to be compared with.
-        self._windows, self._waiting = [None] * len(WINDOWS), LOOK - 1
+        self.drop_windows()
         self._renew()
+
+    def drop_windows(self):
+        """Forget what was to be compared: the newest of it was no data of the load."""
+        self._windows, self._waiting = [None] * len(WINDOWS), LOOK - 1
 
     def begin_anew(self, pieces):
         """Begin with other data; the newest `pieces` of it were compared with the old belief."""

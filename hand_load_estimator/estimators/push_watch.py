@@ -17,8 +17,11 @@ from .positive_solve import positive_solve
 # Standard deviation of a push's force, in weights of the rated load.
 FORCE = 0.5
 # Of the evidence of any change, a push has to be ahead by so much: a load of which each joint
-# misreads a tenth of the torque, one too much and the next too little, leaves 1 %.
-SHARE = 0.015
+# misreads a tenth of the torque, one too much and the next too little, leaves that.
+SHARE = 0.01
+# And of what another load leaves of it, a push has to explain so much: what comes by and by, as
+# a load that is handed over, neither explains.
+OF_THE_REST = 0.5
 # For so long [s] after a sudden torque the motion filter still shows what was before it.
 SETTLING = 0.05
 # While a push lasts it is looked at anew every so many seconds: hands do not push evenly.
@@ -50,7 +53,7 @@ class PushWatch:
         """
         Compare with the Older belief from here on, for `longest` [s], which knows no push yet.
 
-        needed: evidence [nats] that a push has to be ahead of another load, or that behind it.
+        needed: evidence [nats] that a push has to be ahead of another load, or that of a push.
         """
         self._older, self._needed, self._left, self.told = older, needed, longest, False
         self._anew()
@@ -60,20 +63,24 @@ class PushWatch:
         """Compare no longer."""
         self._older, self.told = None, False
 
-    def take(self, sample, columns, prediction):
-        """Take a MotionSample, its joined_columns and Prediction; return whether a push is told."""
+    def take(self, sample, columns, difference, density):
+        """
+        Take a MotionSample, its joined_columns, difference (n,) [Nm] and density (n,) [Nm^2 s].
+
+        Return whether a push is told.
+        """
         if not self.begun:
             return False
         self._length, self._left = self._length + sample.dt, self._left - sample.dt
         if self._length <= 0.0:
             return False
-        weights = sample.dt / prediction.density
+        weights = sample.dt / density
         wrench = self._robot.hand_wrench_columns(sample.q)
-        self._load.add_rows(columns, prediction.difference, weights)
+        self._load.add_rows(columns, difference, weights)
         self._push += (wrench.T * weights).dot(np.concatenate(
-            [prediction.difference[:, None], columns, wrench], axis=1))
-        push, load = self._evidence()
-        if push - load > max(self._needed, SHARE * push):
+            [difference[:, None], columns, wrench], axis=1))
+        push, load, most = self._evidence()
+        if push - load > max(self._needed, SHARE * push, OF_THE_REST * (most - load)):
             self.told = True
         elif load - push > self._needed:
             self.told = False
@@ -88,11 +95,13 @@ class PushWatch:
         self._push = np.zeros((6, 1 + 10 + self._nuisances + 6))
 
     def _evidence(self):
-        """Return the log Bayes factors of a push and of another load."""
+        """Return the log Bayes factors of a push and of another load, and what neither exceeds."""
         older, load = self._older, self._load
         vector, shared, own = np.split(self._push, [1, 1 + len(older.mean)], axis=1)
-        solved = positive_solve(older.precision + load.matrix, np.column_stack(
-            [load.vector - load.matrix @ older.mean, shared.T]))
+        score = load.vector - load.matrix @ older.mean
+        solved = positive_solve(older.precision + load.matrix,
+                                np.column_stack([score, shared.T]))
         b = vector[:, 0] - shared @ older.mean - shared @ solved[:, 0]
         return (factor_of(b, own - shared @ solved[:, 1:], self._wrench),
-                log_bayes_factor(load, older.mean, older.precision, self._change))
+                log_bayes_factor(load, older.mean, older.precision, self._change),
+                0.5 * (load.left_by(older.mean) - score @ solved[:, 0]))

@@ -21,6 +21,9 @@ TAKEN_BACK, NOT_TWICE = 1.5, 5.0
 # For so long [s] after a change was seen the motion filter still shows the load before it: seen it
 # is 0.03 s late at the earliest, and 0.08 s after it 1.4 % are left.
 SETTLING = 0.05
+# In the last so many seconds of motion before a contact is told it may have begun. They are left
+# out, but no more than once in so many [s]: what chatters would leave nothing.
+ONSET, ONCE_IN = 0.15, 2.0
 # While an arm stands no piece ends. The last so many are left out where the old load comes back:
 # it may have been let go already while the arm came to rest.
 AT_REST = 5
@@ -36,9 +39,9 @@ class LoadRegression:
     were scaled by; trust: the ModelTrust of a LoadRegression that looks for load changes and for
     what the model does not foretell; without one it does so itself.
     changes counts load changes; last_change is the stamp of the newest, or None; changed_pieces:
-    how many pieces of recent data it reaches back; older_belief: the Older before it. change (10, 10): covariance of what the
-    products may change by when the load does. The last DRIFTS * n nuisances are the joints'
-    (torque_model.nuisance_columns).
+    how many pieces of recent data it reaches back; older_belief: the Older before it, of one that
+    looks itself. change (10, 10): covariance of what the products may change by when the load
+    does. The last DRIFTS * n nuisances are the joints' (torque_model.nuisance_columns).
     """
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, doubt_elsewhere=False,
@@ -54,8 +57,8 @@ class LoadRegression:
         self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
-        self.older_belief = None
-        self._kept, self._kept_before = -np.inf, -np.inf
+        self.older_belief, self._change_before = None, None
+        self._ended, self._dropped = -np.inf, -np.inf
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._windows = ChangeWindows(self.change, self._recent, n)
@@ -72,12 +75,20 @@ class LoadRegression:
         if self.last_change is not None and 0.0 <= sample.stamp - self.last_change < SETTLING:
             return
         moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
-        if self._tare is not None:
-            difference = difference - columns[:, :10] @ self._zero
-        if self._recent.add(columns, difference, weights, moved) and self._watch:
+        difference = self.beside_tared(columns, difference)
+        if not self._recent.add(columns, difference, weights, moved):
+            return
+        self._ended = sample.stamp
+        if self._watch:
             self._unchecked = sample.stamp
             self.trust.take(self._recent.pieces[-1])
             self._windows.take(self._recent.pieces[-1])
+
+    def beside_tared(self, columns, difference):
+        """Return a difference (n,) without the torque of what was declared zero."""
+        if self._tare is None:
+            return difference
+        return difference - columns[:, :10] @ self._zero
 
     def look_at(self, stamp):
         """
@@ -240,14 +251,14 @@ class LoadRegression:
         """
         older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
         start = self._start
-        self.older_belief = self._older_belief(older)
         if self._watch:
+            self.older_belief = self._older_belief(older)
             self.trust.begin_anew(pieces)
         self._forget_data()
         self._before = older, start, trust
         self.changes += 1
+        self._change_before = self.last_change
         self.last_change, self.changed_pieces = stamp, pieces
-        self._kept_before, self._kept = self._kept, stamp
 
     def take_back(self, stamp, surely=False):
         """
@@ -255,14 +266,13 @@ class LoadRegression:
 
         What looked like another load has turned out to be a contact, surely so or not. Where it is
         not sure, a load that was taken back just before and comes again is let be; and always one
-        that comes soon after another: the model may misread the first.
+        that comes soon after any change: the model may misread the load before.
         """
         if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
             return False
-        since = self._kept_before if surely else self._returned
-        if 0.0 <= self.last_change - since < NOT_TWICE:
+        since = self._change_before if surely else self._returned
+        if since is not None and 0.0 <= self.last_change - since < NOT_TWICE:
             return False
-        self._kept = self._kept_before
         older, self._start, trust = self._before
         self._before, self._returned = None, stamp
         self._recent.begin_with(older)
@@ -274,11 +284,14 @@ class LoadRegression:
         self.update_posterior()
         return True
 
-    def drop_newest(self):
-        """Forget the last tenth of a second of motion, in which a contact has begun."""
-        self._recent.drop_newest()
+    def drop_newest(self, stamp):
+        """Forget the last moments of motion before a stamp [s]: a contact has begun in them."""
+        if stamp - self._dropped < ONCE_IN:
+            return
+        self._dropped = stamp
+        self._recent.drop_newest(last=stamp - self._ended < ONSET)
         if self._watch:
-            self.trust.resume(**self.trust.state_before(1))
+            self.trust.drop_windows()
         self._forget_windows()
         self.update_posterior()
 
