@@ -37,8 +37,7 @@ class ContactGate:
 
     joints: names; rmse (n,) [Nm]: residual of the torque model; change (10, 10): covariance of
     what the products may change by with the load; gain_doubt: relative standard deviation of
-    torque constants. reason: why, in words, while in contact; gave_up: whether the last contact
-    was let through, as one that lasts.
+    torque constants. reason: why, in words, while in contact.
     """
 
     def __init__(self, joints, rmse, change, gain_doubt=0.0):
@@ -52,7 +51,7 @@ class ContactGate:
 
     def clear(self):
         """Forget a contact; what is usual stays."""
-        self._beyond, self._calm, self.reason, self.gave_up = 0.0, OVER, '', False
+        self._beyond, self._calm, self.reason = 0.0, OVER, ''
         self._lasting, self._peak = 0.0, 0.0
 
     def hold(self):
@@ -84,13 +83,11 @@ class ContactGate:
         if not contact:
             self._lasting, self._peak, self.reason = 0.0, 0.0, ''
             return over
-        self.gave_up = False
         self._lasting, self._peak = self._lasting + dt, max(self._peak, unexplained)
         if self._lasting > LONGEST:
             # From here on this is what is usual, and twice as much is not sudden.
             self._usual = 2.0 * self._peak / self._limit
             self.clear()
-            self.gave_up = True
             return False
         if over:
             self._say(left)

@@ -11,10 +11,6 @@ from .push_watch import PushWatch
 from .regression import TAKEN_BACK
 from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 
-# After a contact so long that it was let through, changes are its own for so long [s]: none is
-# asked whether it is a push.
-OF_A_LONG_CONTACT = 30.0
-
 
 class ContactWatch:
     """
@@ -30,7 +26,7 @@ class ContactWatch:
                                  robot.effort.torque_constants_std)
         self._rest = RestWatch(robot.joints, model.noise, regression.change)
         self._pushes = PushWatch(robot, load_prior(robot), regression.change, uncertainties)
-        self._not_asked, self.began = 0.0, False
+        self.began = False
 
     @property
     def contact(self):
@@ -66,7 +62,6 @@ class ContactWatch:
         Return whether it is a contact's, to be left out, and whether another load is held since
         about now. began: whether a contact has just begun.
         """
-        self._not_asked -= sample.dt
         before, pushed = self._gate.reason, self._pushes.told
         contact = self._gate.update(prediction, innovation, load_torque, sample.dt, pushed)
         beyond = self._rest.update(sample, innovation, spread, prediction)
@@ -75,16 +70,13 @@ class ContactWatch:
         self.began = bool(self._gate.reason and not before)
         if before and not contact:
             self._pushes.end()
-            if self._gate.gave_up:
-                self._not_asked = OF_A_LONG_CONTACT
         return contact, beyond == ANOTHER_LOAD and not contact
 
     def changed(self):
         """Begin anew after a change of the load, which may turn out to have been a push."""
         self.clear()
-        if self._not_asked <= 0.0:
-            self._pushes.begin(self._regression.older_belief, self._regression.evidence_needed(),
-                               TAKEN_BACK)
+        self._pushes.begin(self._regression.older_belief, self._regression.evidence_needed(),
+                           TAKEN_BACK)
 
     def clear(self):
         """Begin anew."""

@@ -49,9 +49,9 @@ class PushWatch:
         """Whether it compares."""
         return self._older is not None
 
-    def begin(self, older, needed, longest=np.inf):
+    def begin(self, older, needed, longest):
         """
-        Compare with the Older belief from here on, for `longest` [s], which knows no push yet.
+        Compare with the Older belief from here on, for `longest` [s] unless a push is told.
 
         needed: evidence [nats] that a push has to be ahead of another load, or that of a push.
         """
@@ -84,10 +84,10 @@ class PushWatch:
             self.told = True
         elif load - push > self._needed:
             self.told = False
-        if self._left <= 0.0 or not self.told and load - push > self._needed:
-            self.end()
-        elif self.told and self._length >= ANEW:
+        if self.told and self._length >= ANEW:
             self._anew()
+        elif not self.told and (self._left <= 0.0 or load - push > self._needed):
+            self.end()
         return self.told
 
     def _anew(self):

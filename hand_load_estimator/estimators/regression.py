@@ -18,6 +18,9 @@ MOVING = 0.02
 # A change is taken back when it turns out within so long [s] to have been a contact, and not twice
 # within so long.
 TAKEN_BACK, NOT_TWICE = 1.5, 5.0
+# Nor, where a push was told, within so long [s]: longer than a contact is kept out, or one that
+# does not end would never be let through.
+NO_OTHER_PUSH = 15.0
 # For so long [s] after a change was seen the motion filter still shows the load before it: seen it
 # is 0.03 s late at the earliest, and 0.08 s after it 1.4 % are left.
 SETTLING = 0.05
@@ -57,7 +60,7 @@ class LoadRegression:
         self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
-        self.older_belief, self._change_before = None, None
+        self.older_belief, self._change_before = None, -np.inf
         self._ended, self._dropped = -np.inf, -np.inf
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
@@ -257,21 +260,22 @@ class LoadRegression:
         self._forget_data()
         self._before = older, start, trust
         self.changes += 1
-        self._change_before = self.last_change
+        self._change_before = -np.inf if self.last_change is None else self.last_change
         self.last_change, self.changed_pieces = stamp, pieces
 
     def take_back(self, stamp, surely=False):
         """
         Return to the load before the newest change, if that was just now; tell whether.
 
-        What looked like another load has turned out to be a contact, surely so or not. Where it is
-        not sure, a load that was taken back just before and comes again is let be; and always one
-        that comes soon after any change: the model may misread the load before.
+        What looked like another load has turned out to be a contact, surely so or not. A load that
+        was taken back just before and comes again is let be; where it is sure, so is one that
+        comes soon after any change, whose load the model may misread.
         """
         if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
             return False
-        since = self._change_before if surely else self._returned
-        if since is not None and 0.0 <= self.last_change - since < NOT_TWICE:
+        if 0.0 <= self.last_change - self._returned < (NO_OTHER_PUSH if surely else NOT_TWICE):
+            return False
+        if surely and 0.0 <= self.last_change - self._change_before < NOT_TWICE:
             return False
         older, self._start, trust = self._before
         self._before, self._returned = None, stamp
