@@ -13,7 +13,7 @@ import pytest
 from hand_load_estimator.estimators.change import change_covariance, EVIDENCE
 from hand_load_estimator.estimators.change_windows import Older
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.push_watch import ANEW, PushWatch, SETTLING
+from hand_load_estimator.estimators.push_watch import PushWatch, SETTLING
 from hand_load_estimator.estimators.regression import LoadRegression
 from hand_load_estimator.load import LoadParameters
 
@@ -150,7 +150,7 @@ def test_of_what_came_long_before_a_contact_nothing_is_left_out(model):
     kept = len(regression._recent.pieces)
     regression.drop_newest(end)
     assert len(regression._recent.pieces) == kept - 1
-    regression.drop_newest(end + 0.5)
+    regression.drop_newest(end + 0.05)
     assert len(regression._recent.pieces) == kept - 1, 'contacts that follow one another'
     regression.drop_newest(end + 30.0)
     assert len(regression._recent.pieces) == kept - 1, 'an arm that has stood'
@@ -247,4 +247,4 @@ def test_of_a_hand_that_hardly_moves_nothing_is_told(model):
 def test_a_push_that_gives_way_to_a_load_is_told_no_more(model):
     watched = Watched(model, 1.0, longest=3.0)
     assert watched.take(1.5, DOWN)[-1]
-    assert not watched.take(2.0 * ANEW, more=block(3.0))[-1]
+    assert not watched.take(0.5, more=block(3.0))[-1]
