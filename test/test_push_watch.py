@@ -13,8 +13,8 @@ import pytest
 from hand_load_estimator.estimators.change import change_covariance, EVIDENCE
 from hand_load_estimator.estimators.change_windows import Older
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.push_watch import PushWatch, SETTLING
-from hand_load_estimator.estimators.regression import LoadRegression
+from hand_load_estimator.estimators.push_watch import PushWatch
+from hand_load_estimator.estimators.regression import LoadRegression, SETTLING
 from hand_load_estimator.load import LoadParameters
 
 # [s] The push begins long after the last change, and goes on for so long.

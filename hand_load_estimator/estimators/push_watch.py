@@ -13,6 +13,7 @@ import numpy as np
 from .change import factor_of, log_bayes_factor
 from .information import Information
 from .positive_solve import positive_solve
+from .regression import SETTLING
 
 # Standard deviation of a push's force, in weights of the rated load.
 FORCE = 0.5
@@ -22,8 +23,6 @@ SHARE = 0.01
 # And of what another load leaves of it, a push has to explain so much: what comes by and by, as
 # a load that is handed over, neither explains.
 OF_THE_REST = 0.5
-# For so long [s] after a sudden torque the motion filter still shows what was before it.
-SETTLING = 0.05
 # While a push lasts it is looked at anew every so many seconds: hands do not push evenly.
 ANEW = 0.25
 
