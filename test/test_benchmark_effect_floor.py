@@ -54,8 +54,7 @@ def clean(model):
 
 
 @pytest.mark.parametrize('name', [
-    'gravity_spring', 'coulomb_friction', 'torque_offset', 'stribeck_friction', 'torque_ripple',
-    'load_dependent_friction', 'rotor_inertia', 'viscous_friction'])
+    'gravity_spring', 'torque_offset', 'stribeck_friction', 'rotor_inertia'])
 def test_it_is_near_what_is_left_without_the_effect(model, clean, name):
     known, left, *_ = floor(model, name, strength=3.0)
     assert left[2] > 1.5 * clean[2]
