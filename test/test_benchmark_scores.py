@@ -94,6 +94,15 @@ def test_the_page_shows_what_was_measured():
     assert '| lstm | 250 |' in page
 
 
+@pytest.mark.parametrize('off, told', [(0.25, '250'), (0.0043, '4.3')])
+def test_small_masses_have_a_decimal(off, told):
+    results = [result(k, k, off=off) for k in range(3)]
+    page = to_markdown(suite_blocks('Accuracy', '', {
+        'identified': '', 'scores': score(results, 12.5),
+        'overview': overview(results)}, (), '', ''))
+    assert f'| lstm | {told} | {told} |' in page
+
+
 def test_the_page_shows_both_bounds_and_what_is_over_them():
     results = [result(k, k, off=0.25, bound=0.1) for k in range(3)]
     page = to_markdown(suite_blocks('Accuracy', '', {

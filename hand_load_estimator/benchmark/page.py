@@ -21,7 +21,7 @@ def _times(scores):
 
 
 def _mass_table(scores):
-    rows = [[name, *(f'{1e3 * entry["mass"]["rmse"]:.0f}' for entry in entries)]
+    rows = [[name, *(_in_grams(entry['mass']['rmse']) for entry in entries)]
             for name, entries in scores.items()]
     name = leading(scores)
     ours = scores[name]
@@ -33,6 +33,11 @@ def _mass_table(scores):
         f'{e["mass"]["rmse"] / value:.1f}' for e, value in zip(ours, bound))]
              for which, bound in bounds.items()]
     return Table(['mass RMSE [g] after', *_times(scores)], rows)
+
+
+def _in_grams(mass):
+    # Of the small ones ratios are taken.
+    return f'{1e3 * mass:.{1 if mass < 0.02 else 0}f}'
 
 
 def _percent_table(scores):
