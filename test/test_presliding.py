@@ -5,8 +5,8 @@ import pytest
 
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.torque.presliding import (presliding_path, presliding_paths,
-                                                   PreslidingState, REST_TIME, stuck_density,
-                                                   turned)
+                                                   presliding_states, PreslidingState, REST_TIME,
+                                                   stuck_density, turned)
 
 S = 1e-3
 
@@ -69,6 +69,20 @@ def test_recordings_followed_together_are_each_what_they_are_alone():
     for motion, together in zip(motions, presliding_paths(motions, *ways)):
         for alone, one in zip(presliding_path(*motion, *ways), together):
             np.testing.assert_array_equal(one, alone)
+
+
+@pytest.mark.parametrize('powers', [(np.inf, np.inf), (2.0, np.inf)])
+def test_many_shapes_at_once_are_each_what_one_is_alone(powers):
+    """... along recordings of several lengths, with steps below the dead band."""
+    rng, distances = np.random.default_rng(5), (S, 3 * S)
+    paths = [np.cumsum(rng.normal(0.0, 4e-5, (count, 2)), axis=0) for count in (300, 40, 250)]
+    together = presliding_states(paths, distances, powers)
+    for q, found in zip(paths, together):
+        assert found.shape == (len(q), 4)
+        for k, (distance, power) in enumerate(zip(distances, powers)):
+            alone, _ = presliding_path(q, np.ones_like(q), np.ones(len(q)),
+                                       np.full(2, distance), np.full(2, power))
+            np.testing.assert_allclose(found[:, 2 * k:2 * k + 2], alone, atol=1e-12)
 
 
 def test_the_path_counts_and_not_its_sampling():

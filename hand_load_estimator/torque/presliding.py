@@ -73,6 +73,21 @@ def _along_a_power(left, way, power):
     return np.maximum(left ** (1.0 / power) - way / power, 0.0) ** power
 
 
+def beyond_noise(q, anchor):
+    """Return the way (k,) [rad] from an anchor to q beyond noise, and the next anchor."""
+    moved = q - anchor
+    counts = np.abs(moved) > DEAD_BAND
+    return np.where(counts, moved, 0.0), np.where(counts, q, anchor)
+
+
+def ways_along(q):
+    """Return the ways (N, n) [rad] beyond noise between positions q (N, n) [rad]."""
+    moved, anchor = np.empty_like(q), q[0]
+    for k, now in enumerate(q):
+        moved[k], anchor = beyond_noise(now, anchor)
+    return moved
+
+
 class PreslidingState:
     """
     Follow z and the doubt about it for joints (or columns) of any number.
@@ -99,16 +114,13 @@ class PreslidingState:
         """Advance to the positions q (k,) at speeds v (k,) after dt; returns (z, doubt)."""
         if self._anchor is None:
             self._anchor = self._rests_at = q.copy()
-        moved = q - self._anchor
-        counts = np.abs(moved) > DEAD_BAND
-        decay = np.where(counts, np.exp(-np.abs(moved) / self._distance), 1.0)
+        moved, self._anchor = beyond_noise(q, self._anchor)
+        decay = np.exp(-np.abs(moved) / self._distance)
         if self._power is None:
             direction = np.sign(moved)
-            z = direction + (self.z - direction) * decay
+            self.z = direction + (self.z - direction) * decay
         else:
-            z = turned(self.z, moved, self._distance, self._power)
-        self.z = np.where(counts, z, self.z)
-        self._anchor = np.where(counts, q, self._anchor)
+            self.z = turned(self.z, moved, self._distance, self._power)
         moves = (np.abs(v) >= REST_SPEED) & (np.abs(q - self._rests_at) > MOVED)
         self._rests_at = np.where(moves, q, self._rests_at)
         self._resting = np.where(moves, 0.0, self._resting + dt)
@@ -139,6 +151,32 @@ def presliding_paths(motions, distance, power=None):
     found = lock_step([(q, v, np.broadcast_to(dt[:, None], q.shape)) for q, v, dt in motions],
                       follow)
     return [(both[:, 0], both[:, 1]) for both in found]
+
+
+def presliding_states(paths, distances, powers):
+    """
+    Return [z (N, K n)] along positions q (N, n) [rad] of several motions, without the doubt.
+
+    distances, powers (K,): of K shapes, each of all n joints. Many at once cost little more than
+    one.
+    """
+    n, shapes = paths[0].shape[1], len(distances)
+
+    def follow(numbers, rows):
+        (moved,) = rows
+        distance, power = (np.tile(np.repeat(figures, n), len(numbers))
+                           for figures in (distances, powers))
+        out, z = np.empty_like(moved), np.zeros(moved.shape[1])
+        if np.isfinite(power).any():
+            for k, way in enumerate(moved):
+                out[k] = z = turned(z, way, distance, power)
+            return out
+        directions = np.sign(moved)
+        for k, (direction, decay) in enumerate(zip(directions, np.exp(-np.abs(moved) / distance))):
+            out[k] = z = direction + (z - direction) * decay
+        return out
+
+    return lock_step([(np.tile(ways_along(q), shapes),) for q in paths], follow)
 
 
 def stuck_variance(z, doubt, v, a, level):

@@ -19,7 +19,7 @@ import numpy as np
 from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
-from .presliding import DEAD_BAND, turning
+from .presliding import beyond_noise, turning, ways_along
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
 STEPS = 4
@@ -93,13 +93,6 @@ class _Contacts:
         return out
 
 
-def _beyond_noise(q, anchor):
-    """Return the way (n,) from an anchor to q that is more than noise, and the next anchor."""
-    moved = q - anchor
-    counts = np.abs(moved) > DEAD_BAND
-    return np.where(counts, moved, 0.0), np.where(counts, q, anchor)
-
-
 class ShownFriction:
     """
     Follow friction of size one for K places: joints, some of them several times.
@@ -118,7 +111,7 @@ class ShownFriction:
         q, v = q[self._joints], v[self._joints]
         if self._anchor is None:
             self._anchor, self._speed = q, v
-        moved, self._anchor = _beyond_noise(q, self._anchor)
+        moved, self._anchor = beyond_noise(q, self._anchor)
         levels = left(_speeds(self._speed, v), warmth[self._joints], *self._peak) \
             if self._peak else None
         self._speed, contacts = v, self._contacts
@@ -179,10 +172,7 @@ class ShownAlong:
         """Way, speeds before and after, warmth (N, n) and dt (N, 1) of each part."""
         out = []
         for q, v, warmth, dt in self.parts:
-            moved, anchor = np.empty_like(q), q[0]
-            for k, now in enumerate(q):
-                moved[k], anchor = _beyond_noise(now, anchor)
-            out.append((moved, np.concatenate([v[:1], v[:-1]]), v, warmth, dt[:, None]))
+            out.append((ways_along(q), np.concatenate([v[:1], v[:-1]]), v, warmth, dt[:, None]))
         return out
 
     @staticmethod

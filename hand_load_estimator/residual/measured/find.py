@@ -13,7 +13,7 @@ from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_colum
 from ...torque.filtered_noise import noise_floor, white_density
 from ...torque.lateness import as_reported, change_when_late, lateness
 from ...torque.play import PlayAlong
-from ...torque.presliding import presliding_paths, stuck_density
+from ...torque.presliding import presliding_states, stuck_density
 from ...torque.shown_friction import ShownAlong
 from ...torque.sliding import surely_slides
 from ...torque_model import drift_std, nuisance_columns, uncertain_directions
@@ -105,14 +105,11 @@ class Residual:
     def follow_friction(self, ways):
         """Follow the friction state for (travel [rad], power) pairs at once, unless known."""
         ways = [way for way in ways if way not in self._paths]
-        n, count = self.residual.shape[1], len(ways)
-        if not count:
+        n = self.residual.shape[1]
+        if not ways:
             return
-        recordings = (np.flatnonzero(self.owner == k) for k in np.unique(self.owner))
-        motions = [(np.tile(self.x.q[rows], count), np.tile(self.x.v[rows], count), self.dt[rows])
-                   for rows in recordings]
-        states = np.concatenate([z for z, _ in presliding_paths(
-            motions, *np.repeat(ways, n, axis=0).T)])
+        states = np.concatenate(presliding_states(
+            [self.x.q[self.owner == k] for k in np.unique(self.owner)], *np.array(ways).T))
         self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
 
     def blocks(self, root=None):
