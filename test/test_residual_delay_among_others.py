@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from residual_helpers import (assert_repaired, clean_runs, declared_model, diagnosed,
-                              noise_of, on, recorded, ripple, SECONDS, told)
+from residual_helpers import (assert_repaired, clean_runs, constant_friction, declared_model,
+                              diagnosed, noise_of, on, recorded, ripple, SECONDS, told)
 
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
@@ -45,7 +45,8 @@ def test_how_short_a_delay_may_be_depends_on_the_rate_of_joint_states(messages, 
 
 @pytest.mark.parametrize('function, name, parameter', [
     (ripple, 'torque_ripple', 'amplitude'),
-    (lambda run: run.torque, 'torque_scale', 'gain')])
+    (lambda run: run.torque, 'torque_scale', 'gain'),
+    (constant_friction, 'coulomb_friction', 'change_of_level')])
 def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     diagnosis, better = diagnosed(late_with(function, 6.0))
     joint = better.robot.joints[JOINT]
@@ -54,7 +55,7 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
     assert found['time_delay']['delay'][0] == pytest.approx(DELAY, rel=0.05)
     assert found['time_delay']['share'][0] == pytest.approx(1.0, abs=0.02)
     # RMS of a sine, of a constant, and of the joint's torque.
-    rms = {'amplitude': np.sqrt(0.5), 'gain': np.sqrt(np.mean(
+    rms = {'amplitude': np.sqrt(0.5), 'change_of_level': 1.0, 'gain': np.sqrt(np.mean(
         np.concatenate([torque[:, JOINT] for _, _, torque in clean_runs(SECONDS)]) ** 2))}
     size = 6.0 * noise_of(better.robot)[JOINT] / rms[parameter]
     assert found[name][parameter][0] == pytest.approx(size, rel=0.1)

@@ -36,7 +36,7 @@ def _mass_table(scores):
 
 
 def _in_grams(mass):
-    # Of the small ones ratios are taken.
+    # Whole grams of a small mass would hide what cold is over warm, or one method over another.
     return f'{1e3 * mass:.{1 if mass < 0.02 else 0}f}'
 
 

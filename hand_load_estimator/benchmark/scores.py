@@ -4,7 +4,7 @@ import numpy as np
 
 from ..estimators.registry import METHODS
 from ..load import MESSAGE_ORDER
-from .contestants import (BLIND, DEFAULT, FIXED, ON_FUNCTION, OUR_MODEL, SUBSET,
+from .contestants import (BLIND, CALIBRATED, DEFAULT, FIXED, ON_FUNCTION, OUR_MODEL, SUBSET,
                           WITHOUT_NETWORK)
 from .measure import MOMENTS
 from .offline import OFFLINE_TIMES
@@ -88,7 +88,8 @@ def rivals_of(scores):
     """Return the names of the baselines that estimate: not ours, not the fixed load."""
     return [name for name in scores
             if name not in METHODS
-            and name not in (BLIND, FIXED, OUR_MODEL, SUBSET, *ON_FUNCTION)]
+            and name not in (BLIND, FIXED, OUR_MODEL, SUBSET, *ON_FUNCTION)
+            and not name.endswith(CALIBRATED)]
 
 
 def network_shares(scores):

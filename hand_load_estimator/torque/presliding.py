@@ -74,7 +74,7 @@ def _along_a_power(left, way, power):
 
 
 def beyond_noise(q, anchor):
-    """Return the way (k,) [rad] from an anchor to q beyond noise, and the next anchor."""
+    """Return the way (k,) from an anchor to q beyond noise, and the next anchor; all in [rad]."""
     moved = q - anchor
     counts = np.abs(moved) > DEAD_BAND
     return np.where(counts, moved, 0.0), np.where(counts, q, anchor)
@@ -86,6 +86,11 @@ def ways_along(q):
     for k, now in enumerate(q):
         moved[k], anchor = beyond_noise(now, anchor)
     return moved
+
+
+def _kept(moved, distance):
+    """Return what is left of the way to a level [-] after ways [rad] of i = 1; all after none."""
+    return np.where(moved != 0.0, np.exp(-np.abs(moved) / distance), 1.0)
 
 
 class PreslidingState:
@@ -115,7 +120,7 @@ class PreslidingState:
         if self._anchor is None:
             self._anchor = self._rests_at = q.copy()
         moved, self._anchor = beyond_noise(q, self._anchor)
-        decay = np.exp(-np.abs(moved) / self._distance)
+        decay = _kept(moved, self._distance)
         if self._power is None:
             direction = np.sign(moved)
             self.z = direction + (self.z - direction) * decay
@@ -157,8 +162,8 @@ def presliding_states(paths, distances, powers):
     """
     Return [z (N, K n)] along positions q (N, n) [rad] of several motions, without the doubt.
 
-    distances, powers (K,): of K shapes, each of all n joints. Many at once cost little more than
-    one.
+    distances (K,) [rad], powers (K,) [-] of K shapes: all n joints of the first, then of the
+    second. Many at once cost little more than one.
     """
     n, shapes = paths[0].shape[1], len(distances)
 
@@ -171,9 +176,8 @@ def presliding_states(paths, distances, powers):
             for k, way in enumerate(moved):
                 out[k] = z = turned(z, way, distance, power)
             return out
-        directions = np.sign(moved)
-        for k, (direction, decay) in enumerate(zip(directions, np.exp(-np.abs(moved) / distance))):
-            out[k] = z = direction + (z - direction) * decay
+        for k, (direction, kept) in enumerate(zip(np.sign(moved), _kept(moved, distance))):
+            out[k] = z = direction + (z - direction) * kept
         return out
 
     return lock_step([(np.tile(ways_along(q), shapes),) for q in paths], follow)
