@@ -12,7 +12,7 @@ from hand_load_estimator.estimators.change import PIECE
 from hand_load_estimator.estimators.information import Information, posterior_of
 from hand_load_estimator.estimators.innovation_scale import InnovationScale
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.model_trust import MISFIT, ModelTrust, WINDOWS
+from hand_load_estimator.estimators.model_trust import BEFORE, MISFIT, ModelTrust, WINDOWS
 from hand_load_estimator.estimators.pipeline import Pipeline
 from hand_load_estimator.estimators.regression import LoadRegression
 from hand_load_estimator.estimators.weighting import joined_columns
@@ -109,6 +109,17 @@ def test_what_no_direction_explains_widens_every_interval():
         held.append(off(posterior) < 1.96)
         held_plain.append(off(plain) < 1.96)
     assert np.mean(held) >= 0.9 > np.mean(held_plain) + 0.2
+
+
+def test_a_model_is_as_stated_once_motion_has_told_and_while_nothing_ails():
+    for beside, expected in ((None, True), (lambda q, v: 4.0 * np.sin(5.0 * q), False)):
+        trust, total, told = ModelTrust(PRIOR, R), Information(0, R), []
+        for piece in pieces_of(80, 3, beside=beside):
+            trust.take(piece)
+            total.add(piece)
+            trust.look(total)
+            told.append(trust.as_stated_before())
+        assert not any(told[:BEFORE]) and told[-1] == expected
 
 
 def test_a_window_is_compared_with_the_belief_before_it():

@@ -13,6 +13,7 @@ import pytest
 from hand_load_estimator.estimators.change import change_covariance, EVIDENCE
 from hand_load_estimator.estimators.change_windows import Older
 from hand_load_estimator.estimators.load_prior import load_prior
+from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.push_watch import PushWatch
 from hand_load_estimator.estimators.regression import LoadRegression, SETTLING
 from hand_load_estimator.load import LoadParameters
@@ -121,6 +122,15 @@ def test_a_load_that_comes_by_and_by_is_no_push(model, mass, seed, takes):
     assert not any('contact: a push' in e.reason for e in estimates)
     wrong = [e.stamp for e in estimates if abs(e.mean[0] - mass) > 0.3]
     assert max(wrong) < FROM + takes + 0.6
+
+
+def test_what_a_model_that_ails_takes_for_a_push_stays_a_load(model, monkeypatch):
+    """... and so does what it says before any motion has told how well it foretells."""
+    stream = pushed(model, messages(model, block(MASS), 13.0, seed=2), DOWN)
+    for as_stated in (True, False):
+        monkeypatch.setattr(ModelTrust, 'as_stated_before', lambda self, now=as_stated: now)
+        estimates = feed(warm(pipeline_of(model)), stream)
+        assert any('contact: a push' in e.reason for e in estimates) == as_stated
 
 
 def test_a_push_beside_what_was_tared_is_told(model):

@@ -42,6 +42,8 @@ BEFORE = 34
 # the joints ails. Models whose doubt is wide say so of healthy arms; a model that is exact hardly
 # ever does, and asks the joints first.
 FORETOLD = 0.8
+# Up to this factor on what is stated a model is taken to be as it states.
+AS_STATED = 2.0
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
 STUDENT = 1.21
 # The model does not explain the torques whose variances are so many times what it states.
@@ -124,6 +126,11 @@ class ModelTrust:
     def foretold_before(self):
         """Tell whether torques were foretold better than stated, as factor_before counts."""
         return bool((_shares(self._counts_before(BEFORE)) < FORETOLD).all())
+
+    def as_stated_before(self):
+        """Tell whether torques were foretold about as well as stated, as factor_before counts."""
+        counts = self._counts_before(BEFORE)
+        return bool(counts[2].any() and _factor(counts) <= AS_STATED)
 
     def take(self, piece):
         """Take a piece of Information that has just ended; look() judges it."""

@@ -269,13 +269,15 @@ class LoadRegression:
 
         What looked like another load has turned out to be a contact, surely so or not. A load that
         was taken back just before and comes again is let be; where it is sure, so is one that
-        comes soon after any change, whose load the model may misread.
+        comes soon after any change, whose load the model may misread, and any by a model that has
+        not foretold torques as it states: what ails an arm looks like pushes, too.
         """
         if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
             return False
         if 0.0 <= self.last_change - self._returned < (NO_OTHER_PUSH if surely else NOT_TWICE):
             return False
-        if surely and 0.0 <= self.last_change - self._change_before < NOT_TWICE:
+        if surely and (not self.trust.as_stated_before()
+                       or 0.0 <= self.last_change - self._change_before < NOT_TWICE):
             return False
         older, self._start, trust = self._before
         self._before, self._returned = None, stamp
