@@ -352,6 +352,22 @@ def test_an_effort_that_ends_softly_is_no_gain(joint, end):
                    for text in diagnosis.remains)
 
 
+@pytest.mark.parametrize('joint, end', [(0, 0.5), (1, 2.0)])
+def test_what_a_soft_end_explains_as_well_is_not_confirmed(joint, end):
+    """Friction is most of the torque of joint 0; 2.0 is far beyond what joint 1 ever shows."""
+    diagnosis, _ = diagnosed(softly(joint, end))
+    assert 'torque_scale' in {f.name for f in diagnosis.findings} and not told(diagnosis)
+    assert any(f'j{joint}: torque_scale is only suspected' in text for text in diagnosis.remains)
+
+
+@pytest.mark.parametrize('joint, size', [(0, 0.1), (3, -0.1)])
+def test_a_gain_is_no_soft_end(joint, size):
+    """Whichever way it goes, and though friction is most of the torque."""
+    diagnosis, _ = diagnosed(gain(joint, size))
+    assert told(diagnosis) == {'torque_scale': (f'j{joint}',)}
+    assert not any('only suspected' in text for text in diagnosis.remains)
+
+
 def test_a_gain_that_leaves_a_little_is_one():
     def cubic(run):
         return run.torque ** 3

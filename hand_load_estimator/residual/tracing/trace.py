@@ -21,7 +21,7 @@ from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
 from .plain_functions import TORQUES
-from .saturating import GAIN, gain_beside, saturating
+from .saturating import as_well_softly, GAIN, gain_beside, saturating
 from .superseded import take_back
 from .together import Together
 
@@ -60,6 +60,7 @@ class Trace:
         self._found = Found(model, residual, warmed, root, self._possible)
         self.blocks, self.trials = residual.blocks(root), 0
         self.nearly, self.needed, self.unfinished = [], 0.0, False
+        self._as_well_softly = set()
         std = np.sqrt(np.diag(model.covariance))
         self._declared = {(use.name, use.joint): (model.mean[where], std[where])
                           for use, where in model.slices()}
@@ -125,6 +126,7 @@ class Trace:
                     self._found.drop(shown)
                     continue
             kept += 1
+        self._as_well_softly = as_well_softly(self.steps, self.without, self.residual)
         self._part_gains()
         self._found.weigh_again()
         # What was dropped must not count as explained.
@@ -132,7 +134,7 @@ class Trace:
 
     def _part_gains(self):
         """Make a gain of several joints two steps where some of them saturate."""
-        odd = saturating(self.steps, self._model.robot.n)
+        odd = self.saturating()
         for step in [s for s in self.steps if s.chosen.name == GAIN and not s.chosen.common]:
             parts = [[pair for pair in step.chosen.parts if (pair[0].joint in odd) == which]
                      for which in (False, True)]
@@ -140,6 +142,10 @@ class Trace:
                 own, other = (replace(step, chosen=joined(GAIN, tuple(p))) for p in parts)
                 self._found.put(own, step)
                 self._found.add(other)
+
+    def saturating(self):
+        """Return the indices of joints whose gain may be a drive that saturates."""
+        return self._as_well_softly | saturating(self.steps, self._model.robot.n)
 
     def still_gains(self, step):
         """Return the Candidate of a step against all other steps as they are without it."""
@@ -171,7 +177,7 @@ class Trace:
             if step.chosen.name == UNKNOWN:
                 found |= {j for j in step.chosen.joints
                           if step.chosen.gain >= REST * self._named(j)}
-        return tuple(sorted(found | saturating(self.steps, self._model.robot.n)))
+        return tuple(sorted(found | self.saturating()))
 
     def _has_no_rival(self, candidate):
         """Tell whether a candidate is an `unknown`, and of no torque that a gain should tell."""
