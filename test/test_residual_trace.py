@@ -360,6 +360,14 @@ def test_what_a_soft_end_explains_as_well_is_not_confirmed(joint, end):
     assert any(f'j{joint}: torque_scale is only suspected' in text for text in diagnosis.remains)
 
 
+def test_what_else_a_joint_has_is_confirmed_beside_a_soft_end():
+    """And another joint's gain is parted from one that is none."""
+    diagnosis, _ = diagnosed(softly(1, 2.0), on(1, 4.0, ripple), gain(2, 0.1))
+    assert told(diagnosis) == {'torque_ripple': ('j1',), 'torque_scale': ('j2',)}
+    assert [f.joints for f in diagnosis.findings
+            if (f.name, f.verdict) == ('torque_scale', SUSPECTED)] == [('j1',)]
+
+
 @pytest.mark.parametrize('joint, size', [(0, 0.1), (3, -0.1)])
 def test_a_gain_is_no_soft_end(joint, size):
     """Whichever way it goes, and though friction is most of the torque."""

@@ -37,6 +37,7 @@ from .outside.disturbance_findings import findings_again
 from .outside.standing_diagnosis import diagnose_standing, only_stands
 from .stated_shapes import with_stated_shapes
 from .tracing.saturating import gains_in_doubt
+from .tracing.soft_end import soft_end_doubts
 from .tracing.trace import ROUNDS
 
 
@@ -87,8 +88,9 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, (*cannot, *why), recordings=names, tested_on=tested_on,
         seen=() if ex.refitted else seen, refitted=ex.refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + between
-        + gains_in_doubt(findings, ex.trace.saturating(), model.robot.joints) + sentences_on(structure, model.robot.joints),
+        remains=doubts + between + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
+        + soft_end_doubts(ex.trace.softly, model.robot.joints)
+        + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
         another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
             warm, ex.residual.expected, 0.0))), correction), better

@@ -58,7 +58,8 @@ def _finding(models, trace, step, blocks, odd, searched):
     partial = np.stack([blocks.left_over(j, torque[:, j]) for j in range(robot.n)], axis=1)
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
-    sure = significant(chosen) and (chosen.name == UNKNOWN) == (main in odd)
+    sure = significant(chosen) and (chosen.name == UNKNOWN) == (main in odd) \
+        and not any(step is doubted for doubted in trace.softly)
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),

@@ -21,7 +21,8 @@ from .hypotheses import hypotheses, ONE_CAUSE
 from .hypothesis import physical
 from .leaning_base import all_links, turned
 from .plain_functions import TORQUES
-from .saturating import as_well_softly, GAIN, gain_beside, saturating
+from .saturating import GAIN, gain_beside, saturating
+from .soft_end import may_end_softly, own_gains, soft_ends
 from .superseded import take_back
 from .together import Together
 
@@ -51,7 +52,7 @@ class Trace:
     steps: what was found; drifted: changes of declared effects no larger than the model says to
     expect; trials: hypotheses tried in the first round; nearly: Candidates of the last round that
     gained surely, but less than `needed` [nats]; unfinished: whether the last of ROUNDS found
-    something still.
+    something still; softly: steps that an effort which ends softly may have made.
     """
 
     def __init__(self, model, residual, warmed, root=None,
@@ -59,8 +60,7 @@ class Trace:
         self._model, self._warmed, self._progress = model, warmed, progress
         self._found = Found(model, residual, warmed, root, self._possible)
         self.blocks, self.trials = residual.blocks(root), 0
-        self.nearly, self.needed, self.unfinished = [], 0.0, False
-        self._as_well_softly = set()
+        self.nearly, self.needed, self.unfinished, self.softly = [], 0.0, False, ()
         std = np.sqrt(np.diag(model.covariance))
         self._declared = {(use.name, use.joint): (model.mean[where], std[where])
                           for use, where in model.slices()}
@@ -126,26 +126,23 @@ class Trace:
                     self._found.drop(shown)
                     continue
             kept += 1
-        self._as_well_softly = as_well_softly(self.steps, self.without, self.residual)
-        self._part_gains()
+        odd = saturating(self.steps, self._model.robot.n)
+        ends = soft_ends(self._found, odd)
+        self._part_gains(odd | ends.keys())
         self._found.weigh_again()
+        self.softly = tuple(s for s in self.steps if may_end_softly(s, ends, self._found))
         # What was dropped must not count as explained.
         self.blocks = self._found.blocks()
 
-    def _part_gains(self):
-        """Make a gain of several joints two steps where some of them saturate."""
-        odd = self.saturating()
-        for step in [s for s in self.steps if s.chosen.name == GAIN and not s.chosen.common]:
+    def _part_gains(self, odd):
+        """Make a gain of several joints two steps where some of them, odd, may saturate."""
+        for step in own_gains(self.steps):
             parts = [[pair for pair in step.chosen.parts if (pair[0].joint in odd) == which]
                      for which in (False, True)]
             if all(parts):
                 own, other = (replace(step, chosen=joined(GAIN, tuple(p))) for p in parts)
                 self._found.put(own, step)
                 self._found.add(other)
-
-    def saturating(self):
-        """Return the indices of joints whose gain may be a drive that saturates."""
-        return self._as_well_softly | saturating(self.steps, self._model.robot.n)
 
     def still_gains(self, step):
         """Return the Candidate of a step against all other steps as they are without it."""
@@ -177,7 +174,7 @@ class Trace:
             if step.chosen.name == UNKNOWN:
                 found |= {j for j in step.chosen.joints
                           if step.chosen.gain >= REST * self._named(j)}
-        return tuple(sorted(found | self.saturating()))
+        return tuple(sorted(found | saturating(self.steps, self._model.robot.n)))
 
     def _has_no_rival(self, candidate):
         """Tell whether a candidate is an `unknown`, and of no torque that a gain should tell."""
