@@ -34,11 +34,11 @@ def inputs(n=4, count=60, seed=0):
     rng, shape = np.random.default_rng(seed), (60, n)
     torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
     q, v, a = (rng.uniform(-size, size, shape) for size in (2, 1, 3))
-    warmth = rng.uniform(-10, 25, shape)
+    warmth, tilt = rng.uniform(-10, 25, shape), rng.normal(size=(*shape, 2))
     return EffectInput(
         q, v, a, warmth, rng.uniform(-1, 1, shape),
         10.0 * rng.normal(size=shape), rng.normal(size=shape), torque, rng.normal(size=shape),
-        rng.normal(size=(*shape, 2)), lateness(torque, dt),
+        lambda: tilt, lateness(torque, dt),
         PlayAlong(((torque, 2.0 + np.zeros(shape), dt),), np.full(n, 2.0)),
         shown_along(q, v, a, dt, warmth))
 

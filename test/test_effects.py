@@ -65,11 +65,12 @@ def test_another_joint_changes_nothing(name):
     effect, x, other = EFFECTS[name], inputs(), inputs(seed=1)
     mixed = {}
     for field in EffectInput.__dataclass_fields__:
-        if field not in ('late', 'play', 'shown', 'jerk'):
+        if field not in ('late', 'play', 'shown', 'jerk', 'tilt'):
             mixed[field] = getattr(other, field).copy()
             mixed[field][:, 2] = getattr(x, field)[:, 2]
     dt = np.full(60, DT)
-    mixed = EffectInput(**mixed, late=lateness(mixed['drive'], dt),
+    tilt = np.where(np.arange(4)[:, None] == 2, x.tilt(), other.tilt())
+    mixed = EffectInput(**mixed, tilt=lambda: tilt, late=lateness(mixed['drive'], dt),
                         play=PlayAlong(((mixed['drive'], 2.0 + np.zeros((60, 4)), dt),),
                                        np.full(4, 2.0)))
     np.testing.assert_allclose(of_joint(effect, mixed, 2), of_joint(effect, x, 2))

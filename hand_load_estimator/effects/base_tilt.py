@@ -6,7 +6,7 @@ from .effect import Effect
 
 
 def _columns(x, j, _):
-    return x.tilt[:, j]
+    return x.tilt()[:, j]
 
 
 def _derived(values, _):

@@ -9,7 +9,8 @@ from ..identification.evidence import between_gaps
 from ..identification.identify import prior
 from .add import better_model
 from .doubts.known_recordings import made_from
-from .doubts.limits import refuse_the_useless, usable_residual, warmed_joints
+from .doubts.limits import (refuse_the_useless, still_joints, usable_residual,
+                            warmed_joints)
 from .doubts.time_left import refuse_too_short
 from .doubts.unknown import left_over
 from .measured.find import Residual
@@ -99,7 +100,9 @@ def _explained(model, recordings, whole, outside, test, progress):
     evidence, tested = between_gaps(evidence), between_gaps(tested)
     warmed = warmed_joints(model, evidence)
     progress('computing the residual')
-    residual, still = usable_residual(model, evidence)
+    # Where nothing was left out it is that of the whole recordings.
+    residual, still = (whole, still_joints(model, evidence)) if _rows(evidence) == _rows(
+        recordings) else usable_residual(model, evidence)
     own = made_from(model, evidence)
     trace = _traced(model, residual, warmed[0], own, progress)
     progress('estimating everything together')
@@ -111,6 +114,10 @@ def _explained(model, recordings, whole, outside, test, progress):
     old, better = _models(model, steps, evidence, misled, refitted)
     return Explanation(whole, outside, evidence, tested, residual, tuple(steps), still, warmed,
                        trace, left_over(model.robot, trace.blocks), old, better, refitted, ())
+
+
+def _rows(evidence):
+    return [len(e.torque) for e in evidence]
 
 
 def _traced(model, residual, warmed, own, progress):

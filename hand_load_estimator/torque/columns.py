@@ -6,6 +6,7 @@ tau_mdl = Y(theta, theta', theta'') x. The same columns serve identification (eq
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -203,7 +204,7 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
         x = replace(
             x, gear=gear, gear_way=gear_way, drive=plain,
             play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
-            tilt=tilt_columns(robot, layout, x.q, mean, load) if 'tilt' in layout.needs else None)
+            tilt=tilt_along(robot, layout, x.q, mean, load) if 'tilt' in layout.needs else None)
         layout.fill_torque_bound(columns, x)
         if 'late' in layout.needs:
             held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
@@ -238,6 +239,11 @@ def play_columns(robot, q, gear, dt, teeth=(None, 0.0)):
     inertia = np.array([np.diag(robot.mass_matrix(row)) for row in q])
     states, believed = teeth
     return PlayAlong(((gear + believed, inertia, dt),), robot.usual_inertia, states)
+
+
+def tilt_along(*arguments):
+    """Return tilt() of EffectInput, computed where it is asked for; arguments of tilt_columns."""
+    return cache(partial(tilt_columns, *arguments))
 
 
 def tilt_columns(robot, layout, q, mean, load=None, turn=0.0):

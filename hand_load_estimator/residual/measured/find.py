@@ -1,6 +1,7 @@
 """Find the residual: what a torque model leaves of recordings, and what of it is noise."""
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from ...effects import EFFECTS, EffectInput, LATE
 from ...effects.effect import SLOWEST
 from ...identification.evidence import recording_numbers
 from ...motion import smeared
-from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_columns, tilt_columns,
+from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_columns, tilt_along,
                                torque_columns)
 from ...torque.filtered_noise import noise_floor, white_density
 from ...torque.lateness import as_reported, change_when_late, lateness
@@ -166,13 +167,15 @@ def declared_delays(model):
 
 def _joined_input(parts):
     names = [name for name in EffectInput.__dataclass_fields__
-             if name not in ('late', 'play', 'shown') and getattr(parts[0], name) is not None]
+             if name not in ('late', 'play', 'shown', 'tilt')
+             and getattr(parts[0], name) is not None]
+    tilt = parts[0].tilt and cache(lambda: np.concatenate([p.tilt() for p in parts]))
     late = parts[0].late and (lambda delay: np.concatenate([p.late(delay) for p in parts]))
     play = parts[0].play and PlayAlong(tuple(own for p in parts for own in p.play.parts),
                                        parts[0].play.usual)
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
-        play=play, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts)))
+        play=play, tilt=tilt, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts)))
 
 
 def _doubt(model, root, columns, x, temperature):
@@ -226,7 +229,7 @@ def _complete(model, x, columns, dt, load):
     return replace(x, gear=gear, gear_way=way, drive=drive, rate=rate,
                    late=lateness(predicted, dt),
                    play=play_columns(robot, x.q, gear, dt),
-                   tilt=tilt_columns(robot, model.layout, x.q, model.mean, load))
+                   tilt=tilt_along(robot, model.layout, x.q, model.mean, load))
 
 
 def use_of(name, joint, shape):

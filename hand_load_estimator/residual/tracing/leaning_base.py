@@ -14,7 +14,7 @@ def tilted(model, residual):
     """Return the Hypothesis of a base that leans a little, to first order."""
     scale = EFFECT_FACTOR * EFFECTS['base_tilt'].std(1.0)
     return beside_delays(Hypothesis('base_tilt', 0, {
-        j: residual.x.tilt[:, j] * scale for j in range(model.robot.n)}, scale), residual)
+        j: residual.x.tilt()[:, j] * scale for j in range(model.robot.n)}, scale), residual)
 
 
 def turned(hypothesis, score, model, residual):
@@ -28,7 +28,7 @@ def turned(hypothesis, score, model, residual):
         tilt_columns(model.robot, model.layout, residual.x.q[residual.owner == part], model.mean,
                      load, turn) for part, load in enumerate(residual.loads)])
     # What the columns times both turns change, less what the model has of it already.
-    columns = now + ((now - residual.x.tilt) @ before)[..., None] * turn / (turn @ turn)
+    columns = now + ((now - residual.x.tilt()) @ before)[..., None] * turn / (turn @ turn)
     return beside_delays(replace(hypothesis, prompt=None, columns={
         j: columns[:, j] * hypothesis.scale for j in hypothesis.columns}), residual)
 
