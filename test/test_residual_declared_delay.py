@@ -55,8 +55,8 @@ def test_a_right_delay_is_confirmed_by_data_and_not_taken_twice(std):
     assert declared_delays(again) == {JOINT: pytest.approx(0.016, rel=0.03)}
 
 
-@pytest.mark.parametrize('before, now', [(0.04, 0.07), (0.02, 0.038)])
-def test_a_delay_that_grew_by_less_than_itself_is_told_as_a_whole(before, now):
+def test_a_delay_that_grew_by_less_than_itself_is_told_as_a_whole():
+    before, now = 0.02, 0.038
     diagnosis, better = diagnosed(late_by(now), model=delaying(1.0, before))
     assert told(diagnosis) == {'time_delay': better.robot.joints[JOINT:JOINT + 1]}
     assert declared_delays(better) == {JOINT: pytest.approx(now, rel=0.05)}

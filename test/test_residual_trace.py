@@ -1,5 +1,7 @@
 """The trace: one hidden effect comes out as itself on its joint, two as two, none as none."""
 
+from functools import lru_cache
+
 from effect_helpers import DT
 import numpy as np
 import pytest
@@ -86,6 +88,12 @@ def test_friction_that_grows_less_than_speed_is_found_as_such(effect, exponent, 
     assert_repaired(diagnosis, 1)
 
 
+@lru_cache
+def turning(effect):
+    """Return (Diagnosis, better model) of friction that turns in a way of its own on joint 1."""
+    return diagnosed(on(1, 8.0, effect))
+
+
 @pytest.mark.parametrize('effect, name, shape', [
     (turned_late, 'presliding_hysteresis', {'presliding_distance': 0.02, 'power': 2.0}),
     (peak, 'stribeck_friction', {'travel': 2e-3, 'stribeck_velocity': 0.1, 'exponent': 1.0,
@@ -93,7 +101,7 @@ def test_friction_that_grows_less_than_speed_is_found_as_such(effect, exponent, 
     (narrow_peak, 'stribeck_friction', {'travel': 2e-3, 'stribeck_velocity': 0.1, 'exponent': 1.8,
                                         'velocity_range': 30.0})])
 def test_the_way_in_which_friction_turns_is_found(effect, name, shape):
-    diagnosis, better = diagnosed(on(1, 8.0, effect))
+    diagnosis, better = turning(effect)
     assert told(diagnosis) == {name: (declared_model().robot.joints[1],)}
     (use,) = [use for use in better.uses if (use.name, use.joint) == (name, 1)]
     for figure, true in shape.items():
@@ -222,7 +230,7 @@ def test_a_base_that_leans_far_is_taken_exactly():
 
 def test_shapes_settle_beside_what_is_found_later():
     """The first of two friction effects on a joint takes some of the other until that is known."""
-    alone, _ = diagnosed(on(1, 8.0, narrow_peak))
+    alone, _ = turning(narrow_peak)
     both, _ = diagnosed(on(1, 8.0, narrow_peak), on(1, 4.0, stretched), on(1, 4.0, cable))
     velocity, beside = (next(f for f in d.findings if f.name == 'stribeck_friction')
                         .parameters['stribeck_velocity'][0] for d in (alone, both))
@@ -251,7 +259,7 @@ FRICTION = {'viscous_friction': viscous, 'coulomb_friction': constant_friction}
 
 
 @pytest.mark.parametrize('joint, times, effects', [
-    (1, 6.0, FRICTION), (2, 2.0, FRICTION),
+    (1, 6.0, FRICTION),
     (1, 6.0, {'stribeck_friction': peak, 'temperature_dependent_coulomb_friction': warming})])
 def test_two_effects_that_look_like_a_third_together_are_both_found(joint, times, effects):
     """A lubricant that thins or cools explains more than either of the two alone."""
@@ -340,12 +348,11 @@ def gain(joint, size):
     return alone(lambda run: size * run.torque, joint)
 
 
-@pytest.mark.parametrize('joint, end', [(1, 0.5), (2, 1.0)])
-def test_an_effort_that_ends_softly_is_no_gain(joint, end):
+def test_an_effort_that_ends_softly_is_no_gain():
     """What comes nearest is at most suspected."""
-    diagnosis, _ = diagnosed(softly(joint, end))
+    diagnosis, _ = diagnosed(softly(1, 0.5))
     found = {f.name: f for f in diagnosis.findings}
-    assert told(diagnosis) == {UNKNOWN: (declared_model().robot.joints[joint],)}
+    assert told(diagnosis) == {UNKNOWN: (declared_model().robot.joints[1],)}
     assert found[UNKNOWN].variables == ('drive torque',)
     if 'torque_scale' in found:
         assert any(f'{found[UNKNOWN].joints[0]}: torque_scale is only suspected' in text

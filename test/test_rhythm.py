@@ -58,7 +58,7 @@ def test_one_joint_that_rings_is_no_account_of_the_others():
     assert columns == [0] and found.frequency == pytest.approx(1.2, rel=0.05)
 
 
-@pytest.mark.parametrize('memory', [0.05, 0.3, 2.0])
+@pytest.mark.parametrize('memory', [0.05, 2.0])
 def test_no_joint_of_coloured_noise_is_picked_out(memory):
     for seed in range(6):
         noise, speed, dt, owner, _ = recorded(seed, memory)
