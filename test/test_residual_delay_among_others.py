@@ -72,7 +72,7 @@ def test_both_are_found_with_their_figures(function, name, parameter, tmp_path):
 
 
 def test_a_delay_counts_with_all_that_is_lost_without_it():
-    """Beside a large ripple as it is undelayed, a short delay gains nothing."""
+    """Beside a ripple as it is undelayed, a short delay gains nothing."""
     delay = 0.03
     diagnosis, better = diagnosed(late_with(ripple, 6.0, delay))
     joint = better.robot.joints[JOINT]

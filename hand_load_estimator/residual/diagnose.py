@@ -89,7 +89,6 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         seen=() if ex.refitted else seen, refitted=ex.refitted, left_out=left_out,
         seconds=time.monotonic() - began,
         remains=doubts + between + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
-        + soft_end_doubts(ex.trace.softly, model.robot.joints)
         + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
         another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
@@ -113,8 +112,9 @@ def _found(model, ex, names, errors, structure):
     left = unexplained_joints(ex.residual, ex.rest)
     odd = left + trace.unexplained()
     once, gone = findings_again(model.robot, names, ex.outside.shown, ex.seen, odd)
-    findings = findings_of(model, better, trace, odd) + once \
-        + unknown_left(model, ex.residual, ex.rest, left, trace, structure)
+    findings = findings_of(model, better, trace, odd)
+    soft = soft_end_doubts(findings, trace)
+    findings += once + unknown_left(model, ex.residual, ex.rest, left, trace, structure)
     findings, doubts = refuted(findings, joints, *errors,
                                lambda k: _errors_without(model, ex, trace.steps[k]))
     findings, kinds = of_another_kind(findings, ex.residual.interval,
@@ -125,7 +125,7 @@ def _found(model, ex, names, errors, structure):
     findings, further = further_terms(findings, model, ex.residual)
     if ex.residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + unsure + small + further + doubts + gone
+    return findings, wrong + kinds + unsure + small + further + doubts + gone + soft
 
 
 def _errors_without(model, ex, step):

@@ -59,7 +59,7 @@ def _finding(models, trace, step, blocks, odd, searched):
     main = max(chosen.touched, key=lambda j: sum(
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
     sure = significant(chosen) and (chosen.name == UNKNOWN) == (main in odd) \
-        and not any(step is doubted for doubted in trace.softly)
+        and not any(step is doubted for doubted in trace.maybe_soft_ends)
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),

@@ -22,7 +22,7 @@ from .hypothesis import physical
 from .leaning_base import all_links, turned
 from .plain_functions import TORQUES
 from .saturating import GAIN, gain_beside, saturating
-from .soft_end import may_end_softly, own_gains, soft_ends
+from .soft_end import may_be_soft_end, own_gains, soft_ends
 from .superseded import take_back
 from .together import Together
 
@@ -52,7 +52,7 @@ class Trace:
     steps: what was found; drifted: changes of declared effects no larger than the model says to
     expect; trials: hypotheses tried in the first round; nearly: Candidates of the last round that
     gained surely, but less than `needed` [nats]; unfinished: whether the last of ROUNDS found
-    something still; softly: steps that an effort which ends softly may have made.
+    something still; maybe_soft_ends: steps that an effort which ends softly may have made.
     """
 
     def __init__(self, model, residual, warmed, root=None,
@@ -60,7 +60,8 @@ class Trace:
         self._model, self._warmed, self._progress = model, warmed, progress
         self._found = Found(model, residual, warmed, root, self._possible)
         self.blocks, self.trials = residual.blocks(root), 0
-        self.nearly, self.needed, self.unfinished, self.softly = [], 0.0, False, ()
+        self.nearly, self.needed, self.unfinished = [], 0.0, False
+        self.maybe_soft_ends = ()
         std = np.sqrt(np.diag(model.covariance))
         self._declared = {(use.name, use.joint): (model.mean[where], std[where])
                           for use, where in model.slices()}
@@ -128,18 +129,22 @@ class Trace:
             kept += 1
         odd = saturating(self.steps, self._model.robot.n)
         ends = soft_ends(self._found, odd)
-        self._part_gains(odd | ends.keys())
+        self._part_gains(odd, ends)
         self._found.weigh_again()
-        self.softly = tuple(s for s in self.steps if may_end_softly(s, ends, self._found))
+        self.maybe_soft_ends = tuple(step for step in self.steps
+                                     if may_be_soft_end(step, ends, self._found))
         # What was dropped must not count as explained.
         self.blocks = self._found.blocks()
 
-    def _part_gains(self, odd):
-        """Make a gain of several joints two steps where some of them, odd, may saturate."""
-        for step in own_gains(self.steps):
-            parts = [[pair for pair in step.chosen.parts if (pair[0].joint in odd) == which]
-                     for which in (False, True)]
-            if all(parts):
+    def _part_gains(self, *groups):
+        """Make a gain of several joints two steps where some of them are of one of the groups."""
+        for group in groups:
+            # What is put in the place of one step makes others of all.
+            while mixed := [s for s in own_gains(self.steps)
+                            if len({j in group for j in s.chosen.joints}) == 2]:
+                step = mixed[0]
+                parts = [[pair for pair in step.chosen.parts if (pair[0].joint in group) == which]
+                         for which in (False, True)]
                 own, other = (replace(step, chosen=joined(GAIN, tuple(p))) for p in parts)
                 self._found.put(own, step)
                 self._found.add(other)
