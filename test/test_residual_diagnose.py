@@ -7,6 +7,8 @@ from residual_helpers import (assert_repaired, cable, clean_runs, declared_model
 
 from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.residual.doubts.limits import usable_residual
+from hand_load_estimator.residual.explanation import explain
 from hand_load_estimator.residual.measured.find import find_residual
 
 
@@ -73,3 +75,14 @@ def test_recordings_are_as_the_tests_say():
     rms = np.sqrt(np.mean((more - plain) ** 2, axis=0)) / noise_of(declared_model().robot)
     np.testing.assert_allclose(rms, [0.0, 2.0, 0.0, 0.0], atol=1e-9)
     assert len(clean_runs(16.0)) == 4
+
+
+def test_what_is_traced_is_the_residual_of_the_evidence():
+    """Also where it is that of the whole recordings, because nothing was left out."""
+    runs = recorded(on(1, 2.0, viscous))
+    for test in (runs[-1:], ()):
+        ex = explain(declared_model(), runs[:3], test, lambda text: None)
+        own, still = usable_residual(declared_model(), ex.evidence)
+        assert (ex.residual is ex.whole) == bool(test) and ex.still == still
+        for name in ('residual', 'weights', 'starts', 'folds'):
+            np.testing.assert_array_equal(getattr(ex.residual, name), getattr(own, name))
