@@ -103,6 +103,11 @@ def on(joint, times, function):
     return effect
 
 
+def alone(effect, joint):
+    """Return an effect (function of Hidden) on one joint only."""
+    return lambda run: effect(run) * (np.arange(run.robot.n) == joint)
+
+
 def ripple(run):
     """A ripple slow enough to pass the motion filter as it is."""
     return np.sin(23.4 * run.x.q + 0.5)

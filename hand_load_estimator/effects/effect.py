@@ -23,12 +23,12 @@ class EffectInput:
     [Nm]: how far it goes either way within the motion filter; drive [Nm]: torque of the drive;
     rate [Nm/s]: how fast it changes, for pictures; tilt(): torque of turning gravity about
     Robot.tilt_axes, (N, n, 2) [Nm/rad]; late(delays): torque of the drive so many seconds ago
-    less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag, pose_share, impact): what a
-    gap [rad] in the gear of joint j does to the torque of its drive (play.py), (N,) [Nm], or (N,
-    m) for arrays of m joints, gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, power,
-    *peak): friction of size one as the motion filter shows it (shown_friction.py), (N,) or (N, m)
-    [-], peak: of stribeck_curve.left; jerk [rad/s^3] where q, v and a come through the motion
-    filter.
+    less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag, pose_share,
+    impact): what a gap [rad] in the gear of joint j does to the torque of its drive (play.py),
+    (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and impacts [s];
+    shown(j, travel, power, *peak): friction of size one as the motion filter shows it
+    (shown_friction.py), (N,) or (N, m) [-], peak: of stribeck_curve.left; jerk [rad/s^3] where
+    q, v and a come through the motion filter.
     """
 
     q: np.ndarray

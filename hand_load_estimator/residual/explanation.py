@@ -9,8 +9,7 @@ from ..identification.evidence import between_gaps
 from ..identification.identify import prior
 from .add import better_model
 from .doubts.known_recordings import made_from
-from .doubts.limits import (refuse_the_useless, still_joints, usable_residual,
-                            warmed_joints)
+from .doubts.limits import refuse_the_useless, still_joints, usable_residual, warmed_joints
 from .doubts.time_left import refuse_too_short
 from .doubts.unknown import left_over
 from .measured.find import Residual

@@ -19,7 +19,6 @@ from ..add import perhaps_too
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from ..tracing.candidate import SIGMAS
 from ..tracing.hypothesis import WHOLE
-from ..tracing.saturating import GAIN
 
 # [-] of a large effect's torque that its formula may leave; nats go with the square of it.
 EXACT = 0.05
@@ -94,9 +93,8 @@ def _small(finding, findings):
     """Return in words that a Finding is small beside others wherever it gains, or ''."""
     if finding.verdict != CONFIRMED:
         return ''
-    # A gain that may be something else explains its torque all the same.
-    named = [f for f in findings if (f.verdict == CONFIRMED or f.name == GAIN)
-             and f is not finding and f.name != UNKNOWN]
+    named = [f for f in findings if f.verdict == CONFIRMED and f is not finding
+             and f.name != UNKNOWN]
     own = {j: gain for j, gain in finding.evidence.by_joint.items() if gain > 0.0}
     larger = {}
     for joint, gain in own.items():
