@@ -18,6 +18,7 @@ from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, motion_input,
                                                 parameter_count, torque_columns)
 from hand_load_estimator.torque.lateness import as_reported
+from hand_load_estimator.torque.misread_weight import misread_directions
 from hand_load_estimator.torque.model_follower import ModelFollower
 from hand_load_estimator.torque.shown_links import shown_links
 from hand_load_estimator.torque_model import _write_delays, drift_std, uncertain_directions
@@ -125,7 +126,7 @@ def test_what_a_gain_may_be_off_by_grows_with_the_load(name, samples):
     full = torque_columns(model.robot, model.layout, x, model.mean, motion.dt, LOAD)
     follower = ModelFollower(doubtful)
     follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))
-    parameters = slice(None, -3 * model.robot.n)
+    parameters = slice(misread_directions(model.robot.n), -3 * model.robot.n)
     seen = np.array([np.linalg.norm(follower.update(s).model_columns[1, parameters])
                      for s in samples])
     np.testing.assert_allclose(seen, 0.01 * np.abs(full[:, 1, where.start]), atol=1e-9)
@@ -184,8 +185,10 @@ def test_what_is_read_wrong_or_bends_is_read_late(samples):
                  for f in (ModelFollower(model), ModelFollower(late)))
     torque = np.array([p.difference for p in now])
     np.testing.assert_allclose([p.difference for p in then[steps:]], torque[:-steps], atol=1e-9)
-    for name, columns in (('load_columns', slice(0, 10)), ('model_columns', slice(0, 12)),
-                          ('model_columns', slice(12, None))):
+    ahead = misread_directions(4)
+    for name, columns in (('load_columns', slice(0, 10)), ('model_columns', slice(0, ahead)),
+                          ('model_columns', slice(ahead, ahead + 12)),
+                          ('model_columns', slice(ahead + 12, None))):
         before, after = (np.array([getattr(p, name)[:, columns] for p in those])
                          for those in (now, then))
         assert np.ptp(before, axis=0).max() > 1e-3
@@ -203,6 +206,7 @@ def test_uncertainties_online_are_those_of_identification(samples):
     uncertain = uncertain_directions(model, 12, 0)
     assert np.abs(uncertain[model.layout.late]).max() > 1e-3
     seen = np.array([follower.update(s).model_columns for s in samples])
+    seen = seen[:, :, misread_directions(4):]
     np.testing.assert_allclose(seen[:, :, :12], system.columns @ uncertain, atol=1e-9)
     drift = drift_std(model, np.ones(4, bool))
     offset, coulomb, viscous = (seen[:, 1, 12 + 4 * k + 1] for k in range(3))

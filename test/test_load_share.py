@@ -17,10 +17,13 @@ from hand_load_estimator.estimators.tool import read_tool, ToolFollower
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.stream.joint_stream import JointStream
+from hand_load_estimator.torque.misread_weight import misread_directions
 from hand_load_estimator.torque.model_follower import ModelFollower
 
 LOAD = block(2.0)
 SHARES = 1.0, 0.25
+# What misreads weights is none of what the model states, and is counted in full.
+AHEAD = misread_directions(4)
 
 
 def model_of(share):
@@ -54,8 +57,9 @@ def test_estimates_count_a_share_of_every_stated_variance(predicted):
         np.testing.assert_array_equal(shared.stuck, full.stuck)
         np.testing.assert_allclose(shared.density, 0.25 * full.density)
         counted = [joined_columns(p) for p in (full, shared)]
-        np.testing.assert_array_equal(*(columns[:, :10] for columns in counted))
-        np.testing.assert_allclose(counted[1][:, 10:], 0.5 * counted[0][:, 10:])
+        told = 10 + AHEAD
+        np.testing.assert_array_equal(*(columns[:, :told] for columns in counted))
+        np.testing.assert_allclose(counted[1][:, told:], 0.5 * counted[0][:, told:])
     assert np.ptp(full.density) > 0.0 and full.model_columns[:, :-12].any()
 
 
@@ -64,6 +68,8 @@ def test_a_load_is_known_as_much_better(samples, predicted):
     told = {}
     for share in SHARES:
         columns = [joined_columns(prediction) for prediction in predicted[share]]
+        for row in columns:
+            row[:, 10:10 + AHEAD] = 0.0
         information = Information(0, columns[0].shape[1] - 10)
         for sample, row, prediction in zip(samples, columns, predicted[share]):
             information.add_rows(row, prediction.difference, sample.dt / prediction.density)
@@ -79,8 +85,8 @@ def test_what_a_tool_file_states_is_counted_in_full(samples, tmp_path):
     tool = read_tool(path)
     full, shared = (joined_columns(ToolFollower(ModelFollower(model_of(share)), tool)
                                    .update(samples[-1]))[:, 10:] for share in SHARES)
-    own = tool.root.shape[1]
-    assert own == 4 and full[:, :own].any()
+    own = tool.root.shape[1] + AHEAD
+    assert own == 4 + AHEAD and full[:, :4].any()
     np.testing.assert_array_equal(shared[:, :own], full[:, :own])
     np.testing.assert_allclose(shared[:, own:], 0.5 * full[:, own:])
 

@@ -83,10 +83,9 @@ class Contestant:
             sample = untold(sample)
         prediction = self._follower.update(sample) if self._follower else None
         belief = self.method.update(sample, prediction)
-        if self._follower:
-            self._follower.carry(belief, self.method)
         # Ours are judged as they are published; rivals, which know no tare, as they are.
         if hasattr(self.method, 'tared'):
+            self._follower.carry(belief, self.method)
             belief = published(belief, self.method)
         self.times.append(time.thread_time() - began)
         self.mismatches += bool(getattr(self.method, 'mismatch', ''))

@@ -25,8 +25,9 @@ from ..identification.load_agreement import normalised_square
 from .change import PIECE
 from .information import as_stated, Information, Trust
 
-# Degrees of freedom of the tails.
-TAILS = 4.0
+# Degrees of freedom of the tails. With one, what an arm ails of is found sooner than with four, and
+# a healthy arm's intervals are as narrow: a tail shows only where something is far off.
+TAILS = 1.0
 # Prior standard deviations beyond the prior's mean: as heavy, and as far away, is any load.
 ANY_LOAD = 3.0
 # Windows, in pieces, that are compared; the worst of them counts. Every so many pieces is looked.

@@ -10,6 +10,7 @@ from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_direct
 from .columns import real_torque, torque_columns, warmth_of
 from .late_rows import LateRows
 from .load_through_effects import gear_with, load_through_effects
+from .misread_weight import misread_columns, misread_directions
 from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
@@ -23,7 +24,8 @@ class Prediction:
     The torque model at one MotionSample.
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
-    the model's own unit-variance uncertainties do to the torque, as it states them; z, doubt
+    unit-variance uncertainties do to the torque, those of misread_weight.py ahead of the model's
+    own, as it states them; z, doubt
     (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that;
     friction (n,) [Nm]: the level that a joint which stands can hold, as its gear is loaded now.
     An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
@@ -66,7 +68,10 @@ class ModelFollower:
             if use.name == 'load_dependent_friction':
                 self._gear_friction[use.joint] = abs(model.mean[where.start])
         self._uncertain = uncertain_directions(model, directions, seed)
+        self._ahead = misread_directions(model.robot.n)
+        # What the model states an estimate suffers less from; what misreads weights is as said.
         self.column_scale = np.full(self.uncertainties, np.sqrt(model.residuals.load_share))
+        self.column_scale[:self._ahead] = 1.0
         self._noise = SampleNoise(model.residuals.rmse) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
@@ -80,7 +85,7 @@ class ModelFollower:
     @property
     def uncertainties(self):
         """Number r of model columns."""
-        return self._uncertain.shape[1] + DRIFTS * self.model.robot.n
+        return self._ahead + self._uncertain.shape[1] + DRIFTS * self.model.robot.n
 
     def restart(self):
         """Forget the path, as after a gap in the data."""
@@ -103,8 +108,7 @@ class ModelFollower:
 
         beside: products (10,) of what is held and not in the belief.
         """
-        if self.model.layout.needs:
-            self._carried = products_from_message(belief.mean) + method.tared + beside
+        self._carried = products_from_message(belief.mean) + method.tared + beside
 
     def _gear(self, x):
         """
@@ -137,7 +141,8 @@ class ModelFollower:
         """Return K (n, 10), torque (n,) and nuisances (n, r) as they come with what is late."""
         # What a delay's own share may be off by is late already.
         own, late = np.zeros_like(nuisances), self.model.layout.late
-        own[:, :self._uncertain.shape[1]] = columns[:, late] @ self._uncertain[late]
+        known = slice(self._ahead, self._ahead + self._uncertain.shape[1])
+        own[:, known] = columns[:, late] @ self._uncertain[late]
         rows = np.hstack([load, turned[:, None], nuisances - own])
         rows = rows + self._late.change(rows, dt)
         return rows[:, :10], rows[:, 10], rows[:, 11:] + own
@@ -162,7 +167,12 @@ class ModelFollower:
         if self.model.layout.needs:
             told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
                                                       believed, gear)
-        nuisances = nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]
+        # A delay delays this with everything else.
+        prompt = self.model.layout.prompt_torque(columns[0], self.model.mean)
+        torque = prompt + turned + load @ self._carried
+        nuisances = np.hstack([
+            misread_columns(self.model, sample.q, torque, self._carried),
+            nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]])
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)

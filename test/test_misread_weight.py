@@ -1,0 +1,121 @@
+"""What misreads weights, a leaning base or a gain, is found in motion and not taken for a load."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
+import numpy as np
+import pytest
+
+from hand_load_estimator.motion import MotionSample
+from hand_load_estimator.torque import misread_weight
+from hand_load_estimator.torque.misread_weight import (GAIN, LEAN, misread_columns,
+                                                       misread_directions)
+from hand_load_estimator.torque.model_follower import ModelFollower
+
+LOAD = block(4.0)
+
+
+def leaning(robot, q, torque, angles):
+    """Return what angles (2,) [rad] of a leaning base do to the torque (n,) of arm and LOAD."""
+    turned = robot.model.gravity.linear.copy()
+    for axis, angle in zip(robot.tilt_axes(), angles):
+        turned += angle * np.cross(axis, turned)
+    level, zero = robot.model.gravity.linear.copy(), np.zeros(robot.n)
+    robot.model.gravity.linear = turned
+    try:
+        columns = robot.link_regressor(q, zero, zero)
+    finally:
+        robot.model.gravity.linear = level
+    return torque(columns) - torque(robot.link_regressor(q, zero, zero))
+
+
+def test_its_columns_are_what_a_lean_and_gains_do_to_arm_and_load():
+    model = exact_model('ur10e')
+    robot, rng = model.robot, np.random.default_rng(1)
+    held = LOAD.to_products()
+
+    def torque(columns):
+        return columns @ model.mean[:10 * robot.n] + robot.load_columns(columns) @ held
+
+    for q in rng.uniform(-2.0, 2.0, (5, robot.n)):
+        given = rng.normal(size=robot.n)
+        columns = misread_columns(model, q, given, held)
+        assert columns.shape == (robot.n, misread_directions(robot.n))
+        for k, angles in enumerate(1e-5 * np.eye(2)):
+            np.testing.assert_allclose(columns[:, k] / LEAN,
+                                       leaning(robot, q, torque, angles) / 1e-5, atol=1e-2)
+        np.testing.assert_allclose(columns[:, 2:], np.diag(GAIN * given))
+
+
+def scaled(stream, joint, gain):
+    """Return Messages of an arm that reports a joint's effort (1 + gain) times as large."""
+    return [replace(m, effort=m.effort * (1.0 + gain * np.eye(len(m.effort))[joint]))
+            for m in stream]
+
+
+def leaned(model, stream, angles):
+    """Return Messages of an arm whose base leans by angles (2,) [rad]; it holds LOAD."""
+    robot, links = model.robot, model.mean[:10 * model.robot.n].copy()
+    links[-10:] += robot.in_last_link(LOAD.to_products())
+    return [replace(m, effort=m.effort + robot.tilt_regressor(m.position, links) @ angles)
+            for m in stream]
+
+
+@pytest.fixture
+def sure(monkeypatch):
+    """Return a function that runs another with weights that nothing is thought to misread."""
+    def run(how):
+        with monkeypatch.context() as m:
+            m.setattr(misread_weight, 'LEAN', 1e-9)
+            m.setattr(misread_weight, 'GAIN', 1e-9)
+            return how()
+    return run
+
+
+@pytest.mark.parametrize('ailing', [
+    lambda model, stream: scaled(stream, 1, 0.05),
+    lambda model, stream: scaled(stream, 2, -0.08),
+    lambda model, stream: leaned(model, stream, np.array([0.0, 0.015])),
+    lambda model, stream: leaned(model, stream, np.array([0.02, -0.01]))])
+def test_what_misreads_weights_is_not_taken_for_a_load(ailing, sure):
+    """The mass is within 30 g and its interval, and without these directions worse by far."""
+    model = exact_model('ur10e')
+    stream = ailing(model, messages(model, LOAD, 12.0))
+
+    def run():
+        pipeline = warm(pipeline_of(model))
+        last = feed(pipeline, stream)[-1]
+        return abs(last.mean[0] - LOAD.mass), last.std[0], pipeline.load_id
+
+    wrong, std, changes = run()
+    assert wrong < 0.03 and wrong < 2.6 * std and not changes
+    assert sure(run)[0] > 2.5 * wrong
+
+
+def test_a_healthy_arm_pays_next_to_nothing(sure):
+    """Intervals of the mass are a quarter wider after 12 s at most, and hold it."""
+    model, wider, off = exact_model('ur10e'), [], []
+    for seed in range(6):
+        stream = messages(model, LOAD, 12.0, seed=seed)
+        doubted, plain = (how(lambda: feed(warm(pipeline_of(model)), stream)[-1])
+                          for how in (lambda run: run(), sure))
+        wider.append(doubted.std[0] / plain.std[0])
+        off.append(abs(doubted.mean[0] - LOAD.mass) / doubted.std[0])
+    assert np.median(wider) < 1.25 and max(off) < 2.0
+
+
+def test_a_tool_leans_too():
+    """What is carried beside the estimate turns with gravity as the load does."""
+    model, q = exact_model('ur10e'), np.array([0.3, -1.0, 1.2, 0.1, 0.4, 0.0])
+    sample = MotionSample(stamp=1.0, q=q, v=np.zeros(6), a=np.zeros(6), effort=np.zeros(6),
+                          temperature=np.full(6, 25.0), dt=0.02, fresh=False)
+    nothing = SimpleNamespace(mean=np.zeros(10)), SimpleNamespace(tared=np.zeros(10))
+    bare, held = ModelFollower(model), ModelFollower(model)
+    bare.carry(*nothing)
+    held.carry(*nothing, LOAD.to_products())
+    lean = [follower.update(sample).model_columns[:, :2] for follower in (bare, held)]
+    own = [misread_columns(model, q, np.zeros(6), products)[:, :2]
+           for products in (np.zeros(10), LOAD.to_products())]
+    np.testing.assert_allclose(lean, own)
+    assert np.abs(lean[1] - lean[0]).max() > 1e-3
