@@ -10,8 +10,9 @@ import pytest
 from hand_load_estimator.motion import MotionSample
 from hand_load_estimator.torque import misread_weight
 from hand_load_estimator.torque.misread_weight import (GAIN, LEAN, misread_columns,
-                                                       misread_directions)
+                                                       misread_directions, TOOTH_FRICTION)
 from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.presliding import PreslidingState
 
 LOAD = block(4.0)
 
@@ -30,7 +31,7 @@ def leaning(robot, q, torque, angles):
     return torque(columns) - torque(robot.link_regressor(q, zero, zero))
 
 
-def test_its_columns_are_what_a_lean_and_gains_do_to_arm_and_load():
+def test_its_columns_are_what_they_do_to_arm_and_load():
     model = exact_model('ur10e')
     robot, rng = model.robot, np.random.default_rng(1)
     held = LOAD.to_products()
@@ -39,13 +40,15 @@ def test_its_columns_are_what_a_lean_and_gains_do_to_arm_and_load():
         return columns @ model.mean[:10 * robot.n] + robot.load_columns(columns) @ held
 
     for q in rng.uniform(-2.0, 2.0, (5, robot.n)):
-        given = rng.normal(size=robot.n)
-        columns = misread_columns(model, q, given, held)
+        z, gear, given = rng.uniform(-1.0, 1.0, (3, robot.n))
+        columns = misread_columns(model, q, z, gear, given, held)
         assert columns.shape == (robot.n, misread_directions(robot.n))
         for k, angles in enumerate(1e-5 * np.eye(2)):
             np.testing.assert_allclose(columns[:, k] / LEAN,
                                        leaning(robot, q, torque, angles) / 1e-5, atol=1e-2)
-        np.testing.assert_allclose(columns[:, 2:], np.diag(GAIN * given))
+        gains, friction = np.split(columns[:, 2:], 2, axis=1)
+        np.testing.assert_allclose(gains, np.diag(GAIN * given))
+        np.testing.assert_allclose(friction, np.diag(TOOTH_FRICTION * z * np.abs(gear)))
 
 
 def scaled(stream, joint, gain):
@@ -62,13 +65,27 @@ def leaned(model, stream, angles):
             for m in stream]
 
 
+def rubbed(model, stream, share):
+    """Return Messages of an arm whose second joint's gear rubs by a share of what it carries."""
+    robot, zero = model.robot, np.zeros(model.robot.n)
+    links = model.mean[:10 * robot.n].copy()
+    links[-10:] += robot.in_last_link(LOAD.to_products())
+    path, out, before = PreslidingState(model.presliding_distance()), [], None
+    for m in stream:
+        z, _ = path.update(m.position, m.velocity, m.stamp - (before or m.stamp))
+        carried = np.abs(robot.link_regressor(m.position, zero, zero) @ links)
+        out.append(replace(m, effort=m.effort + share * carried * z * np.eye(robot.n)[1]))
+        before = m.stamp
+    return out
+
+
 @pytest.fixture
 def sure(monkeypatch):
     """Return a function that runs another with weights that nothing is thought to misread."""
     def run(how):
         with monkeypatch.context() as m:
-            m.setattr(misread_weight, 'LEAN', 1e-9)
-            m.setattr(misread_weight, 'GAIN', 1e-9)
+            for name in ('LEAN', 'GAIN', 'TOOTH_FRICTION'):
+                m.setattr(misread_weight, name, 1e-9)
             return how()
     return run
 
@@ -77,7 +94,8 @@ def sure(monkeypatch):
     lambda model, stream: scaled(stream, 1, 0.05),
     lambda model, stream: scaled(stream, 2, -0.08),
     lambda model, stream: leaned(model, stream, np.array([0.0, 0.015])),
-    lambda model, stream: leaned(model, stream, np.array([0.02, -0.01]))])
+    lambda model, stream: leaned(model, stream, np.array([0.02, -0.01])),
+    lambda model, stream: rubbed(model, stream, 0.05)])
 def test_what_misreads_weights_is_not_taken_for_a_load(ailing, sure):
     """The mass is within 30 g and its interval, and without these directions worse by far."""
     model = exact_model('ur10e')
@@ -115,7 +133,7 @@ def test_a_tool_leans_too():
     bare.carry(*nothing)
     held.carry(*nothing, LOAD.to_products())
     lean = [follower.update(sample).model_columns[:, :2] for follower in (bare, held)]
-    own = [misread_columns(model, q, np.zeros(6), products)[:, :2]
+    own = [misread_columns(model, q, *np.zeros((3, 6)), products)[:, :2]
            for products in (np.zeros(10), LOAD.to_products())]
     np.testing.assert_allclose(lean, own)
     assert np.abs(lean[1] - lean[0]).max() > 1e-3

@@ -147,6 +147,14 @@ class ModelFollower:
         rows = rows + self._late.change(rows, dt)
         return rows[:, :10], rows[:, 10], rows[:, 11:] + own
 
+    def _misread(self, x, columns, held):
+        """Return misread_columns at x, of columns Y (n, P); held (n,) [Nm]: the load's torque."""
+        model, links = self.model, self.model.layout.links
+        # A delay delays these with everything else.
+        torque = model.layout.prompt_torque(columns, model.mean) + held
+        gear = columns[:, :links] @ model.mean[:links] + held
+        return misread_columns(model, x.q[0], x.z[0], gear, torque, self._carried)
+
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
         robot = self.model.robot
@@ -167,11 +175,8 @@ class ModelFollower:
         if self.model.layout.needs:
             told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
                                                       believed, gear)
-        # A delay delays this with everything else.
-        prompt = self.model.layout.prompt_torque(columns[0], self.model.mean)
-        torque = prompt + turned + load @ self._carried
         nuisances = np.hstack([
-            misread_columns(self.model, sample.q, torque, self._carried),
+            self._misread(x, columns[0], load @ self._carried + turned),
             nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]])
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
