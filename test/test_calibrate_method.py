@@ -11,11 +11,12 @@ import torch
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators import build, regression
-from hand_load_estimator.estimators.build import build_method, build_pipeline
+from hand_load_estimator.estimators.build import build_method, build_pipeline, shipped_intervals
 from hand_load_estimator.estimators.calibrated import Calibrated
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.pipeline import Pipeline
+from hand_load_estimator.estimators.registry import METHODS, with_network
 from hand_load_estimator.learning import shards
 from hand_load_estimator.learning.artefact import arm_of
 from hand_load_estimator.learning.calibrate_method import (calibrate_method, CalibrationRecipe,
@@ -193,9 +194,10 @@ def test_which_intervals_are_at_work_is_told(made, model):
         == 'whole, made with another torque model and learned torque difference'
 
 
-@pytest.mark.parametrize('method', ['bayes', 'gp_bayes', 'gp_histogram'])
-def test_those_shipped_were_made_with_what_is_shipped(method):
+@pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
+def test_those_shipped_for_a_model_are_what_its_methods_state(method):
     name = f'ur10e_{method}_intervals'
+    assert build_pipeline('ur10e', method).intervals == name
     assert build_pipeline('ur10e', method, intervals=name).intervals == name
 
 
@@ -216,8 +218,8 @@ def test_a_checkpoint_goes_from_stated_to_calibrated_intervals_and_back(made):
     np.testing.assert_allclose(fresh.method.belief().mean, ours.method.belief().mean, rtol=1e-3)
 
 
-def test_those_shipped_are_taken_when_asked_for_only(tmp_path, model, monkeypatch):
-    """They are of a simulated arm: a user's keeps what the method states unless told."""
+def test_those_of_another_model_are_taken_when_asked_for_only(tmp_path, model, monkeypatch):
+    """Of the same arm, too: a user's model keeps what the method states unless told."""
     monkeypatch.setattr(build, 'share_folder', lambda: tmp_path)
     folder = written(tmp_path / 'config' / 'learned' / 'four_bayes', model.robot)
     size = ModelFollower(model).uncertainties
@@ -225,6 +227,7 @@ def test_those_shipped_are_taken_when_asked_for_only(tmp_path, model, monkeypatc
     def std(method):
         return np.sqrt(np.diag(method.belief().covariance))
 
+    assert shipped_intervals(model, build_method(model, size, 'bayes')) is None
     plain = std(build_method(model, size, 'bayes'))
     np.testing.assert_array_equal(std(build_method(model, size, 'bayes')), plain)
     assert not isinstance(build_method(model, size, 'bayes'), Calibrated)

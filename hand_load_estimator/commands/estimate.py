@@ -23,7 +23,8 @@ def add_arguments(parser):
                              'shipped for the robot; for gp_... for the model)')
     parser.add_argument('--intervals', default=None, metavar='DIR',
                         help='calibrated intervals of a method without a network, or the name of '
-                             'shipped ones (default: none, as the method states them)')
+                             'shipped ones (default: those shipped for this very model, '
+                             'else as the method states them)')
     parser.add_argument('--tool', default=None, metavar='T.yaml',
                         help='load file of a known tool, which may state `std`; the answer is '
                              'what is held beside it (default: none)')

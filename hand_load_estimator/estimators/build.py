@@ -7,7 +7,7 @@ from ..errors import ConfigurationError
 from ..files.shared_files import find_shared, share_folder
 from ..learning import difference_artefact
 from ..learning.artefact import CARD, NETWORK, network_of, not_of
-from ..learning.intervals import read_intervals
+from ..learning.intervals import kind_of, origin_of, read_intervals
 from ..load import MESSAGE_ORDER
 from ..robot import load_robot
 from ..torque.model_file import model_digest, read_model
@@ -52,6 +52,15 @@ def shipped_difference(model):
                  if content.get('model') == digest), None)
 
 
+def shipped_intervals(model, method):
+    """Return the folder of intervals shipped for this TorqueModel and Method, or None."""
+    if with_network(method.name):
+        return None
+    kind, origin = kind_of(method.name), origin_of(model, method)
+    return next((card.parent for card, content in _shipped_cards(CARD)
+                 if network_of(content) == kind and content.get('origin') == origin), None)
+
+
 def _shipped_cards(name):
     """Yield (path, content) of the shipped artefacts' cards of a file name."""
     for card in sorted((share_folder() / 'config' / 'learned').glob(f'*/{name}')):
@@ -71,7 +80,11 @@ def build_method(model, uncertainties, name, learned=None, intervals=None):
     learned torque difference fails. intervals: folder of its calibration where it has no network,
     short name of a shipped one, or None for deviations as the method states them.
     """
-    method = _stating(model, uncertainties, name, learned)
+    return with_intervals(model, _stating(model, uncertainties, name, learned), intervals)
+
+
+def with_intervals(model, method, intervals):
+    """Return a Method with intervals: as of build_method."""
     if not intervals:
         return method
     if with_network(method.name):
@@ -117,7 +130,7 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
 
     robot_path: robot file the model must belong to, by joints, where they lie and effort kind, or
     None; tool_path: load file of a known tool, or None: the estimate is what is held beside it;
-    learned, intervals: as of build_method.
+    learned, intervals: as of build_method; without intervals those shipped for this very model.
     """
     model_file = find_shared(model_path, 'models')
     # Before it is read: should it be replaced meanwhile, a checkpoint is refused, not misread.
@@ -127,8 +140,7 @@ def build_pipeline(model_path, method=DEFAULT, learned=None, robot_path=None, to
     follower, tool = ModelFollower(model), read_tool(tool_path) if tool_path else None
     if tool:
         follower = ToolFollower(follower, tool)
-    return Pipeline(model, follower,
-                    build_method(model, follower.uncertainties, method, learned or None,
-                                 intervals or None),
-                    determined_std(model.robot), model_file=model_file,
+    method = build_method(model, follower.uncertainties, method, learned or None)
+    method = with_intervals(model, method, intervals or shipped_intervals(model, method))
+    return Pipeline(model, follower, method, determined_std(model.robot), model_file=model_file,
                     digest=digest, tool=tool)

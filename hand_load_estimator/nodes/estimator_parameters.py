@@ -15,7 +15,7 @@ ESTIMATOR_PARAMETERS = (
               '(gp_...: for the model)'),
     Parameter('intervals', '', 'folder of the calibrated intervals (`hand_load calibrate`) of a '
               'method without a network, or short name of shipped ones, which are of simulated '
-              'arms; empty: as the method states them'),
+              'arms; empty: those shipped for this very model, else as the method states them'),
     Parameter('tool', '', 'load file of a known tool, which may state `std`; the estimate is what '
               'is held beside it; empty: none'),
     Parameter('checkpoint', '', 'file in which the estimate survives a restart or kill, written '
