@@ -18,8 +18,8 @@ BENCHMARK_CASES = range(4_000_000, 4_100_000)
 # Those before (1540 to 1589, 4,220,000 on) showed what training's draws lacked.
 FINAL_PLANTS = range(1600, 1650)
 FINAL_CASES = range(4_270_000, 4_320_000)
-# And of those before (1700 to 1749, 4,320,000 on) the worst pushes and changes were looked at; that
-# 1800 to 1849 (4,390,000 on) kept a leaning base and gains in the mass led to misread_weight.py.
+# And of those before (1700 to 1749, 4,320,000 on) the worst pushes and changes were looked at;
+# what stayed in the masses of 1800 to 1849 (4,390,000 on) led to misread_weight.py.
 FINAL_UNDECLARED_PLANTS = range(1850, 1900)
 FINAL_UNDECLARED_CASES = range(4_440_000, 4_490_000)
 # Arms in which an effect is hidden for `diagnose`; what failed on those before (1500 to 1539 and

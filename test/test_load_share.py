@@ -60,11 +60,11 @@ def test_estimates_count_a_share_of_every_stated_variance(predicted):
         told = 10 + AHEAD
         np.testing.assert_array_equal(*(columns[:, :told] for columns in counted))
         np.testing.assert_allclose(counted[1][:, told:], 0.5 * counted[0][:, told:])
-    assert np.ptp(full.density) > 0.0 and full.model_columns[:, :-12].any()
+    assert np.ptp(full.density) > 0.0 and full.model_columns[:, AHEAD:-12].any()
 
 
 def test_a_load_is_known_as_much_better(samples, predicted):
-    """A quarter of all variances: four times the information, and the same load."""
+    """A quarter of all a model states of variance: four times the information, the same load."""
     told = {}
     for share in SHARES:
         columns = [joined_columns(prediction) for prediction in predicted[share]]

@@ -12,6 +12,7 @@ from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointErr
                                                        restore_checkpoint, write_checkpoint)
 from hand_load_estimator.learning.interval_factors import factors_at, level_of, LEVELS
 from hand_load_estimator.load import LoadParameters
+from hand_load_estimator.torque import misread_weight
 
 
 @pytest.fixture(scope='module')
@@ -44,15 +45,21 @@ def model_without_temperatures():
     return exact_model('four', ('coulomb_friction', 'viscous_friction'))
 
 
-def test_a_network_that_says_nothing_is_bayes(silent):
+@pytest.fixture
+def sure(monkeypatch):
+    """Let nothing misread weights: `bayes` looks for it a sample sooner than `lstm` at times."""
+    for name in ('LEAN', 'GAIN', 'TOOTH_FRICTION'):
+        monkeypatch.setattr(misread_weight, name, 1e-9)
+
+
+def test_a_network_that_says_nothing_is_bayes(silent, sure):
     model = exact_model('four')
     stream = messages(model, block(2.0), 4.0)
     plain = feed(warm(pipeline_of(model)), stream)
     ours = feed(warm(pipeline_with(model, silent)), stream)
     for one, other in zip(plain[::10], ours[::10]):
-        # The two look at how far the model is to be trusted a sample apart.
-        assert (np.abs(one.mean - other.mean) < 0.01 * one.std).all()
-        np.testing.assert_allclose(other.std, one.std, rtol=0.01)
+        np.testing.assert_allclose(one.mean, other.mean, atol=1e-6)
+        np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-4, atol=1e-12)
 
 
 def test_what_was_tared_is_what_its_estimates_are_beside(loud):
@@ -69,8 +76,9 @@ def test_what_was_tared_is_what_its_estimates_are_beside(loud):
     np.testing.assert_array_equal(pipeline.known_load, method.tared)
 
 
-@pytest.mark.parametrize('doubt, near', [(0.0, 1e-3), (0.05, 0.02)])
-def test_a_network_trained_beside_temperatures_is_not_asked_without_them(loud, doubt, near):
+@pytest.mark.parametrize('doubt, near', [(0.0, 1e-5), (0.05, 0.02)])
+def test_a_network_trained_beside_temperatures_is_not_asked_without_them(
+        loud, sure, doubt, near):
     """
     Nor with some of them; one that was trained without any is.
 

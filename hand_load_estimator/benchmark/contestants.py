@@ -83,7 +83,8 @@ class Contestant:
             sample = untold(sample)
         prediction = self._follower.update(sample) if self._follower else None
         belief = self.method.update(sample, prediction)
-        # Ours are judged as they are published; rivals, which know no tare, as they are.
+        # What ours believe is carried, and they are judged as they are published; rivals, which
+        # know no tare, as they are.
         if hasattr(self.method, 'tared'):
             self._follower.carry(belief, self.method)
             belief = published(belief, self.method)

@@ -2,7 +2,7 @@
 Keep contact out of the estimate: a sudden torque that no load explains.
 
 The innovation e (n,) of a sample is judged by c = e^T (D + N N^T + K P K^T)^-1 e, where D holds
-noise and held friction, N the model's own uncertainty and K P K^T whatever load may be held
+noise and held friction, N what the model is unsure of and K P K^T whatever load may be held
 instead of the believed one. A push on the hand makes torques no load could; another load does
 not. What is unexplained all the time is no contact but the model's misfit (mismatch.py).
 """

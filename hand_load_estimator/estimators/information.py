@@ -2,10 +2,10 @@
 Recursive Bayesian regression of the load (eq. 13, 14), in information form.
 
 Each sample adds beta K^T K and beta K^T dtau, so the order of samples does not matter and nothing
-is inverted until an estimate is wanted. Beside the ten products the regression carries the torque
-model's own uncertain directions as unit-variance nuisances; marginalising them is what keeps the
-load's variance honest. The prior is stated in shape parameters (load.py), where a load of unknown
-mass has a place and a size; a few Gauss-Newton steps join it to the data.
+is inverted until an estimate is wanted. Beside the ten products the regression carries what the
+torque model is unsure of, and what misreads weights, as unit-variance nuisances; marginalising
+them is what keeps the load's variance honest. The prior is stated in shape parameters (load.py),
+where a load of unknown mass has a place and a size; a few Gauss-Newton steps join it to the data.
 """
 
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ class Information:
 
     matrix (d, d) and vector (d,); by_joint (n, d, 10): each joint's columns for the load, from
     which the doubt about its torque constant is carried into the covariance; n = 0 leaves it out.
-    square: of the weighted differences of rows added, which tells what some unknowns leave of them;
+    square: of the weighted differences of rows, which tells what some unknowns leave of them;
     NaN where unknowns were taken out.
     """
 

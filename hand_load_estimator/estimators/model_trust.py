@@ -25,8 +25,8 @@ from ..identification.load_agreement import normalised_square
 from .change import PIECE
 from .information import as_stated, Information, Trust
 
-# Degrees of freedom of the tails. With one, what an arm ails of is found sooner than with four, and
-# a healthy arm's intervals are as narrow: a tail shows only where something is far off.
+# Degrees of freedom of the tails. With one, what ails an arm is found sooner than with four, and
+# on healthy development arms intervals were the same (doc/method.md).
 TAILS = 1.0
 # Prior standard deviations beyond the prior's mean: as heavy, and as far away, is any load.
 ANY_LOAD = 3.0

@@ -55,7 +55,7 @@ class ToolFollower:
     """
     A ModelFollower of an arm with a Tool: differences are what the workpiece makes.
 
-    What is not known of the tool stands with the model's own uncertainties.
+    What is not known of the tool stands ahead of the other uncertainties.
     """
 
     def __init__(self, follower, tool):

@@ -4,7 +4,8 @@ Make one training sequence: what the estimator would see of a load it does not k
 A true arm is drawn around the *identified* torque model (its covariance, its drift between
 recordings, priors for unmodelled torque), moved along a random motion with a random load, and
 seen through the estimator's own filter and torque model. Only differences matter, because the
-model is linear: tau_real - tau_mdl = K m + Y (x_true - x) + what the model lacks + noise.
+model is linear: tau_real - tau_mdl = K m + Y (x_true - x) + what the model lacks + noise. What
+misreads weights has columns as with the true load: the estimator has them with its own.
 
 Before that the same arm makes another motion without a load, which tells the share of the stated
 variances its estimates suffer from (load_agreement.py). It is told by two windows, where
@@ -19,6 +20,7 @@ from ..effects import EffectInput
 from ..identification.load_agreement import share_of, slices_of, Window, WINDOWS
 from ..motion import BANDWIDTH, filter_step
 from ..torque.columns import effect_columns, torque_columns
+from ..torque.misread_weight import misread_columns
 from ..torque.presliding import presliding_path, stuck_density
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
@@ -95,9 +97,10 @@ class SequenceMaker:
         error += self._model_error(rng, actual, columns, x)
         load = random_load(rng, robot)
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
-        held = misread * (load_columns @ load.to_products())
         before, late = slice(len(q) // 2), slice(len(q) // 2, None)
-        held[before] = 0.0
+        carried = load_columns @ load.to_products()
+        carried[before] = 0.0
+        held = misread * carried
         undeclared, severe = disturbances(rng, q, v, columns @ model.mean + error + held,
                                           np.sqrt(actual.intensity / (2.0 * SLOW_MEMORY)),
                                           EVERY / RATE)
@@ -114,7 +117,9 @@ class SequenceMaker:
         moving = np.flatnonzero((np.abs(v[late]) > 0.05).any(axis=1))
         return _as_float32(Sequence(
             motion=np.stack([q, v, a], axis=1)[late], difference=difference[late],
-            columns=np.concatenate([load_columns, np.sqrt(share) * nuisances], axis=2)[late],
+            columns=np.concatenate([
+                load_columns[late], _misread(model, x, columns, carried, load, late),
+                np.sqrt(share) * nuisances[late]], axis=2),
             warmth=measured[late], z=z[late], doubt=doubt[late], load=load.to_message(),
             begin=np.array(moving[0] if len(moving) else len(q) // 2 - 1),
             density=share * (intensity + stuck[late]), level=level, rmse=model.residuals.rmse,
@@ -125,6 +130,15 @@ class SequenceMaker:
         error = columns @ (self._root @ rng.normal(size=self._root.shape[1]))
         drift = nuisance_columns(columns, self._uncertain[:, :0], actual.drift, x.z, x.v)
         return error + drift @ rng.normal(size=drift.shape[2])
+
+
+def _misread(model, x, columns, carried, load, rows):
+    """Return misread_columns of rows (a slice), as with a load whose torque is carried (N, n)."""
+    links, held = 10 * model.robot.n, load.to_products()
+    gear = columns[:, :, :links] @ model.mean[:links] + carried
+    torque = columns @ model.mean + carried
+    return np.array([misread_columns(model, *state, held)
+                     for state in zip(*(part[rows] for part in (x.q, x.z, gear, torque)))])
 
 
 def _as_float32(sequence):

@@ -4,16 +4,15 @@ friction that grows with the torque of the gears.
 
 All may happen to an arm after its identification, and act through the weight of arm and load:
 taken for a load they stay in an estimate for ever, where other friction averages out. They are
-hardly doubted at first, so that they cost an arm that has none of them next to nothing; heavy
-tails (model_trust.py) find them where they are there.
+hardly doubted at first, which makes a mass interval of an arm that has none of them a quarter
+wider after ten seconds of motion; heavy tails (model_trust.py) find them where they are there.
 """
 
 import numpy as np
 
 # Standard deviation [rad] of gravity's direction about each tilt axis, as a bolted base holds it.
 LEAN = 5e-4
-# And of each joint's gain [-]. At 5e-4 intervals of a healthy arm are half as wide again after
-# ten seconds of motion, and gains ten times as large are not found sooner.
+# And of each joint's gain [-].
 GAIN = 2e-4
 # And of what friction takes of the torque of each joint's gear [-].
 TOOTH_FRICTION = 5e-4
@@ -27,6 +26,8 @@ def misread_directions(n):
 def misread_columns(model, q, z, gear, torque, carried):
     """
     Return (n, misread_directions(n)) [Nm]: torque of the unit-variance directions.
+
+    Leans (2), gains (n), friction (n), in this order.
 
     model: TorqueModel; q (n,) [rad]; z (n,) in [-1, 1]: friction's state; gear, torque (n,) [Nm]:
     what the gears carry and all that drives give, as model and load have it; carried: products

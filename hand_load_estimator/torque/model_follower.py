@@ -24,8 +24,8 @@ class Prediction:
     The torque model at one MotionSample.
 
     difference (n,) [Nm] = tau_real - tau_mdl; load_columns K (n, 10); model_columns (n, r): what
-    unit-variance uncertainties do to the torque, those of misread_weight.py ahead of the model's
-    own, as it states them; z, doubt
+    unit-variance uncertainties do to the torque: those of misread_weight.py, then the model's own
+    as it states them; z, doubt
     (n,): friction state and how far its start is unknown; stuck (n,) [Nm^2]: variance of that;
     friction (n,) [Nm]: the level that a joint which stands can hold, as its gear is loaded now.
     An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
@@ -69,7 +69,7 @@ class ModelFollower:
                 self._gear_friction[use.joint] = abs(model.mean[where.start])
         self._uncertain = uncertain_directions(model, directions, seed)
         self._ahead = misread_directions(model.robot.n)
-        # What the model states an estimate suffers less from; what misreads weights is as said.
+        # An estimate suffers less from what the model states; misread_weight.py's count in full.
         self.column_scale = np.full(self.uncertainties, np.sqrt(model.residuals.load_share))
         self.column_scale[:self._ahead] = 1.0
         self._noise = SampleNoise(model.residuals.rmse) if measured else None
@@ -104,7 +104,8 @@ class ModelFollower:
 
     def carry(self, belief, method, beside=0.0):
         """
-        Take a Method's Belief of the load: its torque too loads gears, and effects grow with it.
+        Take a Method's Belief of the load: its torque too loads gears, effects grow with it, and
+        so does what misreads weights.
 
         beside: products (10,) of what is held and not in the belief.
         """
@@ -147,11 +148,15 @@ class ModelFollower:
         rows = rows + self._late.change(rows, dt)
         return rows[:, :10], rows[:, 10], rows[:, 11:] + own
 
-    def _misread(self, x, columns, held):
-        """Return misread_columns at x, of columns Y (n, P); held (n,) [Nm]: the load's torque."""
+    def _misread_torque(self, x, columns, held, added):
+        """
+        Return misread_columns at x, of columns Y (n, P).
+
+        held (n,) [Nm]: torque of the load; added (n,) [Nm]: the same by way of declared effects.
+        """
         model, links = self.model, self.model.layout.links
         # A delay delays these with everything else.
-        torque = model.layout.prompt_torque(columns, model.mean) + held
+        torque = model.layout.prompt_torque(columns, model.mean) + added
         gear = columns[:, :links] @ model.mean[:links] + held
         return misread_columns(model, x.q[0], x.z[0], gear, torque, self._carried)
 
@@ -172,11 +177,12 @@ class ModelFollower:
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
         told, load, turned = columns[0], robot.load_columns(columns[0, :, :10 * robot.n]), 0.0
+        held = load @ self._carried
         if self.model.layout.needs:
             told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
                                                       believed, gear)
         nuisances = np.hstack([
-            self._misread(x, columns[0], load @ self._carried + turned),
+            self._misread_torque(x, columns[0], held, load @ self._carried + turned),
             nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]])
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
