@@ -6,13 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ConfigurationError
+from ..estimators.model_trust import TAILS
+from ..torque.misread_weight import GAIN, LEAN, TOOTH_FRICTION
 from ..torque.model_file import model_digest
 from .artefact import read_files, write_files
 from .stated_factors import ALL, calibrated, LEAST_STD, usable
 
 WEIGHTS = 'intervals.safetensors'
 AGAIN = 'make them with `hand_load calibrate`'
-_WHAT = {'model': 'torque model', 'function': 'learned torque difference'}
+_WHAT = {'model': 'torque model', 'function': 'learned torque difference',
+         'doubts': 'doubt of what a model cannot state'}
 
 
 @dataclass(frozen=True)
@@ -47,10 +50,15 @@ class Intervals:
 
 
 def origin_of(model, method):
-    """Return {part: digest} of what a Method's deviations follow from: TorqueModel, function."""
+    """
+    Return {part: digest} of what a Method's deviations follow from.
+
+    TorqueModel, function, and what is doubted beside them.
+    """
     function = method.state().get('function')
     return {'model': model_digest(model),
-            'function': None if function is None else np.asarray(function).tolist()}
+            'function': None if function is None else np.asarray(function).tolist(),
+            'doubts': [LEAN, GAIN, TOOTH_FRICTION, TAILS]}
 
 
 def kind_of(method):
