@@ -13,7 +13,6 @@ from hand_load_estimator.torque import misread_weight
 from hand_load_estimator.torque.misread_weight import (GAIN, LEAN, misread_columns,
                                                        misread_directions, TOOTH_FRICTION)
 from hand_load_estimator.torque.model_follower import ModelFollower
-from hand_load_estimator.torque.presliding import PreslidingState
 
 LOAD = block(4.0)
 
@@ -66,20 +65,6 @@ def leaned(model, stream, angles):
             for m in stream]
 
 
-def rubbed(model, stream, share):
-    """Return Messages of an arm whose second joint's gear rubs by a share of what it carries."""
-    robot, zero = model.robot, np.zeros(model.robot.n)
-    links = model.mean[:10 * robot.n].copy()
-    links[-10:] += robot.in_last_link(LOAD.to_products())
-    path, out, before = PreslidingState(model.presliding_distance()), [], None
-    for m in stream:
-        z, _ = path.update(m.position, m.velocity, 0.0 if before is None else m.stamp - before)
-        carried = np.abs(robot.link_regressor(m.position, zero, zero) @ links)
-        out.append(replace(m, effort=m.effort + share * carried * z * np.eye(robot.n)[1]))
-        before = m.stamp
-    return out
-
-
 @pytest.fixture
 def sure(monkeypatch):
     """Return a function that runs another with weights that nothing is thought to misread."""
@@ -95,8 +80,7 @@ def sure(monkeypatch):
     lambda model, stream: scaled(stream, 1, 0.05),
     lambda model, stream: scaled(stream, 2, -0.08),
     lambda model, stream: leaned(model, stream, np.array([0.0, 0.015])),
-    lambda model, stream: leaned(model, stream, np.array([0.02, -0.01])),
-    lambda model, stream: rubbed(model, stream, 0.05)])
+    lambda model, stream: leaned(model, stream, np.array([0.02, -0.01]))])
 def test_what_misreads_weights_is_not_taken_for_a_load(ailing, sure):
     """The mass is within 30 g and its interval, and without these directions worse by far."""
     model = exact_model('ur10e')
@@ -113,7 +97,7 @@ def test_what_misreads_weights_is_not_taken_for_a_load(ailing, sure):
 
 
 def test_what_a_healthy_arm_pays(sure):
-    """Intervals of the mass a quarter wider after 12 s at most, and held; errors are alike."""
+    """Intervals of the mass a tenth wider after 12 s at most, and held; errors are alike."""
     model, wider, off, errors = exact_model('ur10e'), [], [], []
     for seed in range(6):
         stream = messages(model, LOAD, 12.0, seed=seed)
@@ -122,9 +106,9 @@ def test_what_a_healthy_arm_pays(sure):
         wider.append(doubted.std[0] / plain.std[0])
         errors.append([doubted.mean[0] - LOAD.mass, plain.mean[0] - LOAD.mass])
         off.append(abs(errors[-1][0]) / doubted.std[0])
-    assert np.median(wider) < 1.25 and max(off) < 2.0
+    assert np.median(wider) < 1.1 and max(off) < 2.0
     ours, without = np.sqrt(np.mean(np.square(errors), axis=0))
-    assert ours < 1.25 * without
+    assert ours < 1.1 * without
 
 
 @pytest.mark.parametrize('declared', [False, True])
