@@ -86,7 +86,8 @@ class Contestant:
         # What ours believe is carried, and they are judged as they are published; rivals, which
         # know no tare, as they are.
         if hasattr(self.method, 'tared'):
-            self._follower.carry(belief, self.method)
+            if self._follower:
+                self._follower.carry(belief, self.method)
             belief = published(belief, self.method)
         self.times.append(time.thread_time() - began)
         self.mismatches += bool(getattr(self.method, 'mismatch', ''))
