@@ -264,7 +264,7 @@ def test_runs_in_which_a_network_is_not_asked_are_counted(folder, artefact):
     plain = load_error.load_error(model(), [run])
     alone = load_error.load_error(model(), [run], network)
     assert (alone.not_asked, plain.not_asked) == (1, 0)
-    # Measured: 1e-6 apart, because `bayes` looks at what misreads weights a sample sooner at times.
+    # Measured: 1e-6 apart, as `bayes` may look at what misreads weights a sample sooner.
     assert alone.mass_rmse == pytest.approx(plain.mass_rmse, rel=1e-5), 'lstm is bayes there'
 
 

@@ -113,7 +113,8 @@ def test_input_and_load_changes_go_on_with_another_model():
 def test_a_better_model_is_taken_without_restart(estimator, feeder, listener, files):
     play(feeder, listener, arm_samples())
     before = estimator.mass()[0]
-    assert abs(before - MASS) > 0.3
+    # Wrong by more than a right model, though what misreads weights explains a part of it.
+    assert abs(before - MASS) > 0.06
     listener.until(lambda: estimator.counted('received joint_states') == 400, 5.0, 'the count')
     load_id = int(estimator.values()['load_id'])
     # A model that does not explain the torques gives no zero.
