@@ -23,6 +23,7 @@ from hand_load_estimator.recording import read_recording
 from hand_load_estimator.residual import fine_tuning, load_error
 from hand_load_estimator.residual.diagnosis import Diagnosis
 from hand_load_estimator.residual.load_error import with_load_errors
+from hand_load_estimator.torque import misread_weight
 from hand_load_estimator.torque.model_file import read_model
 
 
@@ -257,15 +258,17 @@ def test_loads_are_judged_by_the_artefact_shipped_for_the_arm_too(folder, artefa
         folder / 'shipped' / 'report.html').read_text()
 
 
-def test_runs_in_which_a_network_is_not_asked_are_counted(folder, artefact):
+def test_runs_in_which_a_network_is_not_asked_are_counted(folder, artefact, monkeypatch):
+    # `bayes` looks for what misreads weights a sample sooner than `lstm` at times.
+    for name in ('LEAN', 'GAIN', 'TOOTH_FRICTION'):
+        monkeypatch.setattr(misread_weight, name, 1e-9)
     recording = read_recording(folder / 'loaded')
     run = None, replace(recording, samples=recording.joint_samples), recording.load
     network = read_artefact(artefact, model().robot)
     plain = load_error.load_error(model(), [run])
     alone = load_error.load_error(model(), [run], network)
     assert (alone.not_asked, plain.not_asked) == (1, 0)
-    # Measured: 1e-6 apart, as `bayes` may look at what misreads weights a sample sooner.
-    assert alone.mass_rmse == pytest.approx(plain.mass_rmse, rel=1e-5), 'lstm is bayes there'
+    assert alone.mass_rmse == pytest.approx(plain.mass_rmse, rel=1e-9), 'lstm is bayes there'
 
 
 def test_an_unchanged_model_leaves_the_artefact_as_it_is(folder, artefact, capsys):

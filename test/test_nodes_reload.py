@@ -36,9 +36,11 @@ def files(tmp_path):
     right = exact_model()
     wrong = right.mean.copy()
     offsets = [where.start for use, where in right.slices() if use.name == 'torque_offset']
-    # One joint's would be found for what it is.
+    # These do not go with any load. They are found for what they are, and only a mass on the last
+    # link is not.
     wrong[offsets[1]] += 20.0
     wrong[offsets[2]] += 12.0
+    wrong[10 * (right.robot.n - 1)] -= 1.0
     write_model(tmp_path / 'right.yaml', replace(
         right, recordings=(RecordingMark('run 1', 'ab'), RecordingMark('run 2')),
         diagnosed='2026-03-01T14:30:00+00:00',
@@ -113,8 +115,7 @@ def test_input_and_load_changes_go_on_with_another_model():
 def test_a_better_model_is_taken_without_restart(estimator, feeder, listener, files):
     play(feeder, listener, arm_samples())
     before = estimator.mass()[0]
-    # Wrong by more than a right model, though what misreads weights explains a part of it.
-    assert abs(before - MASS) > 0.06
+    assert abs(before - MASS) > 0.3
     listener.until(lambda: estimator.counted('received joint_states') == 400, 5.0, 'the count')
     load_id = int(estimator.values()['load_id'])
     # A model that does not explain the torques gives no zero.

@@ -27,8 +27,9 @@ class Prediction:
     unit-variance uncertainties do to the torque: those of misread_weight.py, then the model's own
     as it states them; z, doubt (n,): friction state and how far its start is unknown; stuck (n,)
     [Nm^2]: variance of that; friction (n,) [Nm]: the level that a joint which stands can hold, as
-    its gear is loaded now. An estimate of the load suffers less from them (load_agreement.py): density (n,) [Nm^2 s] of
-    the difference beside the load and column_scale (r,) of model_columns are what it counts.
+    its gear is loaded now. An estimate of the load suffers less from them (load_agreement.py):
+    density (n,) [Nm^2 s] of the difference beside the load and column_scale (r,) of model_columns
+    are what it counts.
     noise (n,) [Nm^2]: variance of a sample beyond the model's own residual, where the driver
     reports less often, or more noise, than in the recordings the model was made from.
     """
