@@ -20,7 +20,7 @@ from hand_load_estimator.identification.evidence import prepare
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.plant.hidden import EFFECTS
 from hand_load_estimator.stream.joint_stream import motion_of
-from hand_load_estimator.torque.presliding import turned
+from hand_load_estimator.torque.presliding import Turning
 
 PLANT = seeds.DEVELOPMENT_PLANTS[95]
 JOINT = 'elbow_joint'
@@ -145,7 +145,7 @@ def test_a_reversal_of_the_model_is_the_travel_after_which_it_has_turned(power):
     entry = {'name': 'presliding_hysteresis', 'joints': [before.robot.joints[1]]}
     travel = model_change(before.robot, before, after, entry)['travel_of_reversal'] \
         + np.log(40.0) * use.shape['presliding_distance']
-    assert turned(np.array([-1.0]), np.array([travel]), 0.02, power) == pytest.approx(0.95)
+    assert Turning(power).turned(-1.0, travel, 0.02) == pytest.approx(0.95)
 
 
 def test_a_figure_is_stated_as_a_change_where_the_model_had_the_effect():

@@ -6,7 +6,7 @@ import pytest
 from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.torque.presliding import (presliding_path, presliding_paths,
                                                    presliding_states, PreslidingState, REST_TIME,
-                                                   stuck_density, turned)
+                                                   stuck_density, Turning)
 
 S = 1e-3
 
@@ -38,15 +38,16 @@ def test_a_power_is_dahls_equation_with_an_exponent(power):
     for k in range(1, 6000):
         z += step / S * (1.0 - z) ** exponent if z < 1.0 else 0.0
         if k % 500 == 0:
-            assert turned(-1.0, k * step, S, power) == pytest.approx(z, abs=2e-3)
+            assert Turning(power).turned(-1.0, k * step, S) == pytest.approx(z, abs=2e-3)
 
 
 def test_a_power_reaches_the_level_and_many_are_dahls_exponential():
-    assert turned(0.0, 2.0 * S, S, 2.0) == 1.0 and turned(0.0, -2.0 * S, S, 2.0) == -1.0
+    for way in (-1.0, 1.0):
+        assert Turning(2.0).turned(0.0, 2.0 * way * S, S) == way
     ways = np.linspace(0.0, 5 * S, 20)
-    np.testing.assert_allclose(turned(-1.0, ways, S, 1e6), turned(-1.0, ways, S, np.inf),
+    np.testing.assert_allclose(*(Turning(power).turned(-1.0, ways, S) for power in (1e6, np.inf)),
                                atol=1e-4)
-    assert turned(0.3, 0.0, S, 2.0) == 0.3
+    assert Turning(2.0).turned(0.3, 0.0, S) == 0.3
 
 
 def test_joints_with_and_without_a_power_are_followed_together():

@@ -13,7 +13,7 @@ from hand_load_estimator.motion import MotionFilter
 from hand_load_estimator.torque.columns import motion_input, torque_columns
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
-from hand_load_estimator.torque.presliding import presliding_path, turned
+from hand_load_estimator.torque.presliding import presliding_path, Turning
 from hand_load_estimator.torque.shown_friction import (shown_along, ShownAlong, ShownStream,
                                                        unfiltered)
 
@@ -27,7 +27,7 @@ def contacts(q, v):
     out = np.zeros(len(q))
     for k in range(1, len(q)):
         level = np.exp(-abs(v[k]) / VELOCITY)
-        out[k] = level * turned(out[k - 1] / level, q[k] - q[k - 1], level * TRAVEL, POWER)
+        out[k] = level * Turning(POWER).turned(out[k - 1] / level, q[k] - q[k - 1], level * TRAVEL)
     return out
 
 

@@ -142,7 +142,7 @@ def _figures(model, name, joint):
 
 
 def _reversal(presliding_distance, power=np.inf):
-    """Return the travel [rad] from one level to 95 % of the other; presliding.turned solved."""
+    """Return the travel [rad] from one level to 95 % of the other; presliding.Turning solved."""
     if np.isinf(power):
         return presliding_distance * np.log(2.0 / 0.05)
     return presliding_distance * power * (2.0 ** (1.0 / power) - 0.05 ** (1.0 / power))

@@ -17,6 +17,6 @@ PRESLIDING_HYSTERESIS = Effect(
     (('level', 'Nm'),), (0.1,), _columns,
     (Shape('presliding_distance', 'rad', 1e-3, (2e-4, 4e-4, 7e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3),
            most=LONGEST),
-     # Of the way it turns (presliding.turned); only a residual tells it.
+     # Of the way it turns (presliding.Turning); only a residual tells it.
      POWER),
     against='travel since reversal', default=True, positive=(0,))

@@ -40,37 +40,39 @@ REST_GROWTH = 0.6
 LARGEST_DOUBT = 100.0
 
 
-def turned(z, moved, distance, power):
+class Turning:
     """
-    Return the state that z becomes after a way `moved` [rad] of one direction.
+    The way in which friction turns: what is left of the way to a level, of shapes that fit.
 
-    distance: travel s [rad]; power: 1 / (1 - i) of Dahl's exponent i, infinite for i = 1 and at
-    least 1, where friction rises like a spring up to its level. All of shapes that fit.
+    power: 1 / (1 - i) of Dahl's exponent i, infinite for i = 1 and at least 1, where friction
+    rises like a spring up to its level.
     """
-    direction, way = np.sign(moved), np.abs(moved) / distance
-    left = turning(power)(np.maximum(1.0 - direction * z, 0.0), way)
-    return np.where(way > 0.0, direction * (1.0 - left), z)
 
+    def __init__(self, power):
+        self._finite = np.isfinite(power)
+        self._all, self._none = self._finite.all(), not self._finite.any()
+        self._power = np.where(self._finite, power, 1.0)
+        self._root = 1.0 / self._power
 
-def turning(power):
-    """
-    Return a function of what is left to a level and of a way in travels: what is left after it.
+    def bends(self, way):
+        """Return what `after` takes of ways in travels: any number of them at once."""
+        if self._none:
+            return np.exp(-way)
+        along = way * self._root
+        return along if self._all else np.where(self._finite, along, np.exp(-way))
 
-    power: as of `turned`.
-    """
-    finite = np.isfinite(power)
-    if finite.all():
-        return lambda left, way: _along_a_power(left, way, power)
-    if not finite.any():
-        return lambda left, way: left * np.exp(-way)
-    some = np.where(finite, power, 1.0)
-    return lambda left, way: np.where(finite, _along_a_power(left, way, some),
-                                      left * np.exp(-way))
+    def after(self, left, bend):
+        """Return what is left of `left` after the way of a bend."""
+        if self._none:
+            return left * bend
+        along = np.maximum(left ** self._root - bend, 0.0) ** self._power
+        return along if self._all else np.where(self._finite, along, left * bend)
 
-
-def _along_a_power(left, way, power):
-    """Return what is left of the way to a level, after a way in travels, of a finite power."""
-    return np.maximum(left ** (1.0 / power) - way / power, 0.0) ** power
+    def turned(self, z, moved, distance):
+        """Return the state that z becomes after ways [rad] of one direction; distance: s [rad]."""
+        direction, way = np.sign(moved), np.abs(moved) / distance
+        left = self.after(np.maximum(1.0 - direction * z, 0.0), self.bends(way))
+        return np.where(way > 0.0, direction * (1.0 - left), z)
 
 
 def beyond_noise(q, anchor):
@@ -97,7 +99,7 @@ class PreslidingState:
     """
     Follow z and the doubt about it for joints (or columns) of any number.
 
-    distance (k,): travel s [rad] over which friction turns; power (k,) or None: as of `turned`,
+    distance (k,): travel s [rad] over which friction turns; power (k,) or None: as of Turning,
     infinite without any. z (k,) in [-1, 1]; doubt (k,):
     standard deviation of z, 1 when the path is forgotten. At rest it grows on, because the same
     unknown friction for a minute tells no more than for a second.
@@ -106,7 +108,7 @@ class PreslidingState:
     def __init__(self, distance, power=None):
         self._distance = np.asarray(distance, dtype=float)
         finite = power is not None and np.isfinite(power).any()
-        self._power = np.asarray(power, dtype=float) if finite else None
+        self._turning = Turning(np.asarray(power, dtype=float)) if finite else None
         self.restart()
 
     def restart(self):
@@ -121,11 +123,11 @@ class PreslidingState:
             self._anchor = self._rests_at = q.copy()
         moved, self._anchor = beyond_noise(q, self._anchor)
         decay = _kept(moved, self._distance)
-        if self._power is None:
+        if self._turning is None:
             direction = np.sign(moved)
             self.z = direction + (self.z - direction) * decay
         else:
-            self.z = turned(self.z, moved, self._distance, self._power)
+            self.z = self._turning.turned(self.z, moved, self._distance)
         moves = (np.abs(v) >= REST_SPEED) & (np.abs(q - self._rests_at) > MOVED)
         self._rests_at = np.where(moves, q, self._rests_at)
         self._resting = np.where(moves, 0.0, self._resting + dt)
@@ -173,8 +175,9 @@ def presliding_states(paths, distances, powers):
                            for figures in (distances, powers))
         out, z = np.empty_like(moved), np.zeros(moved.shape[1])
         if np.isfinite(power).any():
+            turning = Turning(power)
             for k, way in enumerate(moved):
-                out[k] = z = turned(z, way, distance, power)
+                out[k] = z = turning.turned(z, way, distance)
             return out
         for k, (direction, kept) in enumerate(zip(np.sign(moved), _kept(moved, distance))):
             out[k] = z = direction + (z - direction) * kept

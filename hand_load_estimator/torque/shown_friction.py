@@ -19,7 +19,7 @@ import numpy as np
 from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
-from .presliding import beyond_noise, turning, ways_along
+from .presliding import beyond_noise, Turning, ways_along
 
 # Steps within a sample: five milliseconds at the motion filter's rate.
 STEPS = 4
@@ -50,6 +50,22 @@ def _filtered(stages, friction, dt):
     return matrix @ stages + gains @ friction
 
 
+def _filtered_along(stages, friction, dt):
+    """
+    Return the filter's stages (L, parts, 3, k) after each of L samples of parts side by side.
+
+    stages (parts, 3, k) before them; friction (L, parts, STEPS + 1, k); dt (L, parts) [s].
+    """
+    counts, which = np.unique(np.round(dt / ROUNDED).astype(int), return_inverse=True)
+    matrices, gains = (np.stack(those)[which.reshape(dt.shape)]
+                       for those in zip(*map(_filter, counts.tolist())))
+    out = gains @ friction
+    for matrix, row in zip(matrices, out):
+        row += matrix @ stages
+        stages = row
+    return out
+
+
 def unfiltered(q, v, a, jerk=None):
     """Return position [rad] and velocity [rad/s] before the filter, of the filtered motion."""
     j = 0.0 if jerk is None else jerk / BANDWIDTH
@@ -61,7 +77,7 @@ class _Contacts:
     """Friction (K,) of size one that turns over travels (K,) with powers (K,), or below levels."""
 
     def __init__(self, travels, powers):
-        self._travels, self._turn = travels, turning(powers)
+        self._travels, self._turning = travels, Turning(powers)
         self.friction = np.zeros(len(travels))
 
     def ways(self, moved, levels):
@@ -72,23 +88,26 @@ class _Contacts:
         """
         way = np.abs(moved)[..., None, :]
         if levels is None:
-            return np.sign(moved), _SHARES * way / self._travels, None
+            return np.sign(moved), self._turning.bends(_SHARES * way / self._travels), None
         levels = np.maximum(levels, LEAST_LEVEL)
         # Springs of one stiffness: half the level is reached in half the way.
-        return np.sign(moved), way / STEPS / (levels * self._travels), levels
+        return (np.sign(moved), self._turning.bends(way / STEPS / (levels * self._travels)),
+                levels)
 
-    def bend(self, direction, ways, levels):
+    def bend(self, direction, bends, levels):
         """Return friction (STEPS + 1, K) as it was and within a sample, before the filter."""
         out = np.empty((STEPS + 1, len(direction)))
-        out[0], moves = self.friction, direction != 0.0
+        out[0] = self.friction
+        along, after = direction * self.friction, self._turning.after
         if levels is None:
-            left = self._turn(np.maximum(1.0 - direction * out[0], 0.0), ways)
-            out[1:] = np.where(moves, direction * (1.0 - left), out[0])
+            out[1:] = direction * (1.0 - after(np.maximum(1.0 - along, 0.0), bends))
         else:
-            for k in range(STEPS):
-                share = out[k] / levels[k]
-                left = self._turn(np.maximum(1.0 - direction * share, 0.0), ways[k])
-                out[k + 1] = levels[k] * np.where(moves, direction * (1.0 - left), share)
+            for k, level in enumerate(levels):
+                along = level - level * after(np.maximum(1.0 - along / level, 0.0), bends[k])
+                out[k + 1] = along
+            out[1:] *= direction
+        if not direction.all():
+            out[1:] = np.where(direction != 0.0, out[1:], self.friction)
         self.friction = out[STEPS]
         return out
 
@@ -97,7 +116,7 @@ class ShownFriction:
     """
     Follow friction of size one for K places: joints, some of them several times.
 
-    travels (K,) [rad] over which it turns, powers (K,) of the way it does (presliding.turned);
+    travels (K,) [rad] over which it turns, powers (K,) of the way it does (presliding.Turning);
     peak: arguments (K,) of stribeck_curve.left behind the warmth, none where it does not fall.
     """
 
@@ -182,29 +201,23 @@ class ShownAlong:
         n, (joints, *figures) = motion[0].shape[1] // count, places
         travels, powers, *peak = (np.tile(figure, count) for figure in figures)
         joints = np.concatenate([joints + k * n for k in range(count)])
-        contacts, width = _Contacts(travels, powers), len(joints) // count
-        stages, out = np.zeros((3, len(joints))), np.empty((len(dt), len(joints)))
+        contacts, stages = _Contacts(travels, powers), np.zeros((count, 3, len(joints) // count))
+        out = []
         for first in range(0, len(dt), ROWS):
             some = slice(first, first + ROWS)
             moved, before, now, warmth = (values[some, joints] for values in motion)
             levels = left(_speeds(before, now), warmth[:, None], *peak) if peak else None
-            for k, ways in enumerate(_rows(contacts.ways(moved, levels)), first):
-                stages = _all_filtered(stages, contacts.bend(*ways), dt[k], width)
-                out[k] = stages[2]
-        return out
+            bent = np.array([contacts.bend(*row) for row in _rows(contacts.ways(moved, levels))])
+            shown = _filtered_along(stages, bent.reshape(len(bent), STEPS + 1, count, -1)
+                                    .swapaxes(1, 2), dt[some])
+            stages = shown[-1]
+            out.append(shown[:, :, 2].reshape(len(bent), -1))
+        return np.concatenate(out)
 
 
 def _rows(arrays):
     """Yield the rows of arrays, None for what is none."""
     return zip(*(repeat(None) if values is None else values for values in arrays))
-
-
-def _all_filtered(stages, friction, dt, width):
-    """Return the stages (3, K of all) of parts side by side, `width` places each, dt (count,)."""
-    if (dt == dt[0]).all():
-        return _filtered(stages, friction, dt[0])
-    return np.hstack([_filtered(stages[:, own], friction[:, own], step) for own, step in
-                      ((slice(k * width, k * width + width), step) for k, step in enumerate(dt))])
 
 
 def shown_along(q, v, a, dt, warmth, jerk=None):

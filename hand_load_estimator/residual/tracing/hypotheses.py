@@ -20,7 +20,7 @@ from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
-# And its curve reach the level sooner than Dahl's, which never does (presliding.turned).
+# And its curve reach the level sooner than Dahl's, which never does (presliding.Turning).
 PRESLIDING_POWERS = (np.inf, 2.0)
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
