@@ -185,6 +185,8 @@ class Robot:
         weight loses 1 - cosine even where the links' masses were fitted without it.
         """
         angles, gravity = np.asarray(angles, dtype=float), self.model.gravity.linear
+        if not angles.any():
+            return self._across_gravity
         size = np.linalg.norm(angles)
         shortened = 0.5 * np.sinc(0.5 * size / np.pi) ** 2 * np.outer(angles, gravity)
         return np.sinc(size / np.pi) * self._across_gravity - shortened

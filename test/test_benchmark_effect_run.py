@@ -33,8 +33,16 @@ def identified_again(model, evidence, test):
     return diagnosis, identify(model.robot, evidence), 1.0
 
 
+@pytest.fixture(scope='module')
+def robot_path(tmp_path_factory):
+    """Return the path of a small arm's robot file: one, so that its arms are made once."""
+    path = tmp_path_factory.mktemp('small') / 'arm.yaml'
+    path.write_text(yaml.safe_dump(four_axes().file.content))
+    return path
+
+
 @pytest.fixture
-def small(tmp_path, monkeypatch):
+def small(robot_path, monkeypatch):
     """Return the path of a small arm's robot file; recordings are brief, no diagnosis is made."""
     brief = (('excite', 20.0, 12.0), ('pick_place', 30.0, 8.0))
     monkeypatch.setattr(cases, 'IDENTIFICATION', brief)
@@ -43,9 +51,7 @@ def small(tmp_path, monkeypatch):
     monkeypatch.setattr(effect_recordings, 'TESTED', (('excite', 25.0, 6.0),))
     monkeypatch.setattr(effect_recordings, 'LOADED', 1)
     monkeypatch.setattr(effect_measure, 'diagnosis_of', identified_again)
-    path = tmp_path / 'arm.yaml'
-    path.write_text(yaml.safe_dump(four_axes().file.content))
-    return path
+    return robot_path
 
 
 def test_a_small_case_from_plant_to_result(small, tmp_path, monkeypatch):
