@@ -1,13 +1,17 @@
 """The suggested motion is small, within the limits, and does what is said of it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from core_helpers import block, exact_model, feed, Message, messages, pipeline_of, torque_of, warm
 import numpy as np
 import pytest
 
 from hand_load_estimator.estimators.build import determined_std
+from hand_load_estimator.estimators.information import as_stated, Trust
+from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.suggest_motion import MotionSuggester, SuggestionError
+from hand_load_estimator.estimators.tool import Tool
 from hand_load_estimator.load import LoadParameters, MESSAGE_ORDER
 
 POSE = np.array([0.0, -1.2, 1.5, -0.5, -1.0, 0.3])
@@ -79,13 +83,42 @@ def test_it_stays_within_the_limits_and_ends_where_it_began(model):
 def test_less_is_asked_for_where_less_is_open(model):
     """Thresholds a quarter as wide need a larger motion."""
     pipeline = standing(model, block(6.0))
-    belief, wide = pipeline.method.belief(), determined(model)
+    wide = determined(model)
 
     def travel(thresholds):
-        suggestion = MotionSuggester(model, thresholds).suggest(
-            belief.mean, belief.covariance, POSE, WARM)
+        suggestion = MotionSuggester(model, thresholds).suggest(pipeline.method, POSE, WARM)
         return sum(abs(amplitude) for _, amplitude in suggestion.moves)
     assert 0.0 < travel(wide) < travel(0.25 * wide)
+
+
+def test_what_is_not_known_of_the_tool_stays_open(model):
+    """The same motions tell no more of the load than is known of what is held beside it."""
+    method, mass = standing(model, block(6.0)).method, np.eye(10)[:, :1]
+    prior = method.belief().covariance[0, 0]
+    for std in (1e-3, 0.5):
+        tool = Tool(block(2.0).to_products(), std * mass)
+        trust = as_stated(len(method.trusted.precision) + 1)
+        suggestion = MotionSuggester(model, determined(model), tool).suggest(
+            SimpleNamespace(belief=method.belief, tared=method.tared, trusted=trust), POSE, WARM)
+        # Its place is assumed a little, which with m c tells a little of its mass, too.
+        least = 0.95 * (1.0 / prior + 1.0 / std ** 2) ** -0.5
+        assert least < suggestion.std[0] < prior ** 0.5
+        assert ('m' in suggestion.settled) == (std < 0.01)
+
+
+def test_a_model_that_is_trusted_less_asks_for_more(model):
+    """A friction level that may be anything, and a base that may lean by any angle."""
+    method = standing(model, block(6.0)).method
+    precision = method.trusted.precision.diagonal().copy()
+    precision[:2] = precision[-12:-6] = 1e-8
+
+    def travel(trust):
+        suggestion = MotionSuggester(model, determined(model)).suggest(SimpleNamespace(
+            belief=method.belief, tared=method.tared, trusted=trust), POSE, WARM)
+        return sum(abs(amplitude) for _, amplitude in suggestion.moves)
+    stated = travel(method.trusted)
+    assert travel(Trust(np.diag(precision))) > stated
+    assert travel(Trust(method.trusted.precision, 9.0)) > stated
 
 
 def test_words_name_what_is_open_and_what_would_settle_it(model):
@@ -99,10 +132,11 @@ def test_nothing_is_suggested_for_what_no_motion_settles(model):
     """An empty hand's load has no place, however it is moved."""
     pipeline = warm(pipeline_of(model))
     feed(pipeline, messages(model, LoadParameters(), 6.0))
-    belief = pipeline.method.belief()
+    empty = Belief(np.zeros(10), pipeline.method.belief().covariance)
     thresholds = np.r_[10.0, 1e-6, 1e-6, 1e-6, np.full(6, 10.0)]
     suggestion = MotionSuggester(model, thresholds).suggest(
-        np.zeros(10), belief.covariance, POSE, WARM)
+        SimpleNamespace(belief=lambda: empty, tared=np.zeros(10), trusted=pipeline.method.trusted),
+        POSE, WARM)
     assert suggestion.undetermined == ('x', 'y', 'z') and suggestion.trajectory is None
     assert 'no motion' in suggestion.text()
 

@@ -5,6 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
+from .information import Trust
+
 
 @dataclass(frozen=True)
 class Belief:
@@ -55,6 +57,7 @@ class Method(Protocol):
     last_change: float | None
     mismatch: str
     tared: np.ndarray
+    trusted: Trust
     factor: float
 
     def update(self, sample, prediction) -> Belief:

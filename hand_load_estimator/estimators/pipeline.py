@@ -209,10 +209,8 @@ class Pipeline:
         if (np.abs(self._sample.v) > STANDING).any():
             raise SuggestionError('the arm moves; ask again when it stands')
         if self._suggester is None:
-            self._suggester = MotionSuggester(self.model, self._thresholds)
-        belief = self.method.belief()
-        return self._suggester.suggest(belief.mean, belief.covariance, self._sample.q,
-                                       self._sample.temperature, self.method.factor)
+            self._suggester = MotionSuggester(self.model, self._thresholds, self.tool)
+        return self._suggester.suggest(self.method, self._sample.q, self._sample.temperature)
 
     def reset(self):
         """Forget the load."""

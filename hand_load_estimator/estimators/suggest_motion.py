@@ -5,8 +5,8 @@ Candidates are there-and-back motions from where the arm stands: of one joint, o
 joints, of all joints behind some point (a joint that stands hides its share of the load behind
 friction). What each would tell is summed as the estimator will sum it (information.py): the
 load's columns weighted by the torque model's density, less while friction is stuck, with the
-model's own uncertainty marginalised. The candidate is taken that costs least of those that
-settle most.
+model's own uncertainty marginalised, as far as the model is trusted by now. The candidate is taken
+that costs least of those that settle most.
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ from ..motions.trajectory import Trajectory
 from ..torque.model_follower import ModelFollower
 from ..torque.presliding import PreslidingState, stuck_density
 from .information import Information
+from .tool import ToolFollower
 from .weighting import joined_columns
 
 AMPLITUDES = (0.1, 0.2, 0.4, 0.8, 1.5)   # [rad]
@@ -105,30 +106,37 @@ class _Candidate:
 
 
 class MotionSuggester:
-    """Find suggestions for one TorqueModel; thresholds (10,): std that counts as determined."""
+    """
+    Find suggestions for one TorqueModel.
 
-    def __init__(self, model, thresholds):
+    thresholds (10,): std that counts as determined; tool: the Tool that is held beside the load,
+    or None.
+    """
+
+    def __init__(self, model, thresholds, tool=None):
         self._model, self._robot, self._thresholds = model, model.robot, np.array(thresholds)
-        self._follower = ModelFollower(model, measured=False)
+        follower = ModelFollower(model, measured=False)
+        self._follower = ToolFollower(follower, tool) if tool else follower
         self._clearance = Clearance(model.robot)
         self._level = model.held_friction()
         self._candidates = sorted(self._all(), key=lambda candidate: candidate.cost)
 
-    def suggest(self, mean, covariance, pose, temperature, factor=1.0):
+    def suggest(self, method, pose, temperature):
         """
-        Return the Suggestion for a belief and an arm standing at pose (n,) [rad].
+        Return the Suggestion for what a Method believes of an arm standing at pose (n,) [rad].
 
-        mean (10,), covariance (10, 10) in message order; temperature (n,) [degC], NaN: unknown;
-        factor: how many times as large the variances of torques are as the model states.
+        temperature (n,) [degC], NaN: unknown.
         """
-        now = np.sqrt(np.diag(covariance))
+        believed = method.belief()
+        now = np.sqrt(np.diag(believed.covariance))
         open_ = now >= self._thresholds
         wanted = np.zeros(10, dtype=bool)
         wanted[_FIRST] = open_[_FIRST]
         wanted = wanted if wanted.any() else open_
         best, best_std = (None, now)
         if open_.any():
-            belief = _Belief(mean, covariance, factor)
+            self._follower.carry(believed, method)
+            belief = _Belief(believed.mean, believed.covariance, method.trusted)
             best, best_std = self._best(belief, pose, temperature, wanted)
         names = np.array(MESSAGE_ORDER)
         if best is None:
@@ -144,11 +152,11 @@ class MotionSuggester:
             motion = candidate.trajectory(pose)
             if not self._inside(motion):
                 continue
-            quick = self._openness(belief.after(self._glance(motion)), wanted)
+            quick = self._openness(belief.after(self._glance(motion, belief.trust)), wanted)
             # A glance flatters: it knows the model's parameters.
             if quick >= best_open - 0.05 or not self._clear(motion, pose):
                 continue
-            std = belief.after(self._look(motion, temperature))
+            std = belief.after(self._look(motion, temperature, belief.trust))
             found = self._openness(std, wanted)
             if found < best_open - 0.05:
                 best, best_std, best_open = candidate, std, found
@@ -198,8 +206,8 @@ class MotionSuggester:
         return self._clearance.of(q) >= min(self._clearance.wanted,
                                             self._clearance.of([pose])) - 1e-6
 
-    def _glance(self, motion):
-        """Return information (10, 10) about the load if the model were exact."""
+    def _glance(self, motion, trust):
+        """Return information (10, 10) about the load if the model's parameters were exact."""
         model, robot = self._model, self._robot
         times = np.linspace(0.0, motion.duration, 2 * _COARSE + 1)[1:]
         dt, matrix = times[1] - times[0], np.zeros((10, 10))
@@ -211,9 +219,9 @@ class MotionSuggester:
                 model.residuals.intensity + stuck_density(z, doubt, v, a, self._level))
             columns = robot.load_regressor(q, v, a)
             matrix += columns.T @ (columns * (dt / density)[:, None])
-        return matrix
+        return matrix / trust.factor
 
-    def _look(self, motion, temperature):
+    def _look(self, motion, temperature, trust):
         """Return information (10, 10) about the load as the estimator will have it."""
         robot, follower = self._robot, self._follower
         follower.restart()
@@ -223,22 +231,22 @@ class MotionSuggester:
             q, v, a = motion.sample(t)
             seen = follower.update(MotionSample(t, BLOCK, q, v, a, zero, temperature, False))
             total.add_rows(joined_columns(seen), zero, BLOCK / seen.density)
-        return total.load_share()[0]
+        return total.load_share(trust)[0]
 
 
 class _Belief:
     """
     A belief in message order, to which information about the products is added.
 
-    factor: on the variances that the information counts with.
+    trust: the Trust in the model that the information counts with.
     """
 
-    def __init__(self, mean, covariance, factor):
-        self.std = np.sqrt(np.diag(covariance))
-        self._jacobian, self._factor = products_jacobian_of_message(mean) * self.std, factor
+    def __init__(self, mean, covariance, trust):
+        self.std, self.trust = np.sqrt(np.diag(covariance)), trust
+        self._jacobian = products_jacobian_of_message(mean) * self.std
         self._precision = np.linalg.inv(covariance / np.outer(self.std, self.std))
 
     def after(self, matrix):
         """Return std (10,) once information (10, 10) about the products is added."""
-        precision = self._precision + self._jacobian.T @ (matrix / self._factor) @ self._jacobian
+        precision = self._precision + self._jacobian.T @ matrix @ self._jacobian
         return self.std * np.sqrt(np.maximum(np.diag(np.linalg.inv(precision)), 0.0))

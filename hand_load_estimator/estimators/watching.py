@@ -20,6 +20,11 @@ class Watching:
         return self._watcher.tared
 
     @property
+    def trusted(self):
+        """The Trust in the torque model, as the estimate counts with it now."""
+        return self._watcher.trust.now
+
+    @property
     def factor(self):
         """How many times as large the variances of torques are as the model states; at least 1."""
         return self._watcher.trust.now.factor
