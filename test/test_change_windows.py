@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.estimators import change_windows, regression
-from hand_load_estimator.estimators.change import (EVIDENCE, LONG, MIDDLE, RecentData, SHORT, SLIP,
-                                                   slip_covariance)
+from hand_load_estimator.estimators.change import (BRIEF, EVIDENCE, LONG, MIDDLE, RecentData,
+                                                   SHORT, SLIP, slip_covariance)
 from hand_load_estimator.estimators.change_windows import ChangeWindows, Older
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.load import LoadParameters, products_and_jacobian_of_shape
@@ -99,14 +99,16 @@ def test_windows_hold_their_pieces_and_what_has_come_since(foretold):
         asked['samples'].add(lengths(watched.windows.changed_by_sample))
         if len(watched.squares) % 3 == 0:
             asked['pieces'].add(lengths(watched.windows.changed_by_pieces))
-    longest = {(3 * SHORT, 3 * LONG)} if foretold else {(3 * SHORT,)}
-    assert asked['pieces'] == {(3 * SHORT, 3 * MIDDLE)} | longest
+    few = (3 * SHORT, 3 * BRIEF) if foretold else (3 * SHORT,)
+    longest = (*few, 3 * LONG) if foretold else few
+    assert asked['pieces'] == {(*few, 3 * MIDDLE), longest}
     if not foretold:
         assert asked['samples'] == {()}
         return
     # Begun at every piece, and at every other one.
     assert {short for short, *_ in asked['samples']} == {6, 7, 8}
-    assert {middle for _, middle in asked['samples']} == {15, 16, 17, 18, 19, 20}
+    assert {brief for _, brief, _ in asked['samples']} == {9, 10, 11}
+    assert {middle for *_, middle in asked['samples']} == {15, 16, 17, 18, 19, 20}
 
 
 def test_a_sample_in_the_middle_of_a_piece_shows_another_load(monkeypatch):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .change import (FORETOLD, log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT,
+from .change import (BRIEF, FORETOLD, log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT,
                      strongest_joint)
 
 
@@ -48,16 +48,22 @@ class ChangeWindows:
 
     def begin(self, needed, older_of, foretold):
         """
-        Begin windows anew where a piece has just ended: the short one, and another in turn.
+        Begin windows anew where a piece has just ended: the short ones, and another in turn.
 
         needed: evidence asked for of a model that does not foretell [nats];
         older_of(Information) -> Older; foretold: whether the model has foretold the torques well.
         """
         self._needed, self._turn, self._foretold = needed, 1 - self._turn, foretold
-        due = SHORT, (MIDDLE, LONG if foretold else None)[self._turn]
-        splits = {count: self._recent.split(count) for count in due if count}
+        if foretold:
+            due = SHORT, BRIEF, (MIDDLE, LONG)[self._turn]
+        else:
+            due = ((SHORT, MIDDLE), (SHORT,))[self._turn]
+        splits = {count: self._recent.split(count) for count in due}
         self._begun = [count for count, split in splits.items() if split is not None]
-        self._windows.update({count: (splits[count][1], older_of(splits[count][0]))
+        # The piece between the two shortest tells next to nothing of a load: one belief for both.
+        shortest = BRIEF if BRIEF in self._begun else SHORT
+        older = {count: older_of(splits[count][0]) for count in self._begun if count >= shortest}
+        self._windows.update({count: (splits[count][1], older[max(count, shortest)])
                               for count in self._begun})
 
     def changed_by_sample(self):
