@@ -53,7 +53,7 @@ class Witness(ChangeWindows):
     """Windows in which nothing is ever another load; asked [of each test] is what they held."""
 
     def evidence(self, recent, older):
-        self.asked.append(recent.square)
+        self.asked.append((recent, older))
         return -np.inf
 
 
@@ -64,7 +64,7 @@ class Watched:
         self._rng, self._foretold, self._needed = np.random.default_rng(9), foretold, needed
         self._recent, self.squares = RecentData(0, 18, memory=1e9), []
         change = np.diag([4.0] + [0.3] * 3 + [0.05] * 6) ** 2
-        self.windows = kind(change, self._recent, 6)
+        self.windows, self.split = kind(change, self._recent, 6), self._recent.split
 
     def take(self, samples, products):
         """Take samples of 0.02 s, three to a piece; windows begin anew where one ends."""
@@ -74,9 +74,9 @@ class Watched:
             self.squares.append(torque @ torque / 0.3 ** 2)
             if self._recent.add(columns, torque, np.full(6, 1.0 / 0.3 ** 2), 0.02):
                 self.windows.take(self._recent.pieces[-1])
-                self.windows.begin(self._needed, self._older, self._foretold)
+                self.windows.begin(self._needed, self.older_of, self._foretold)
 
-    def _older(self, older):
+    def older_of(self, older):
         precision = older.matrix + np.eye(28)
         return Older(np.linalg.solve(precision, older.vector), precision, np.zeros((10, 10)))
 
@@ -92,7 +92,8 @@ def test_windows_hold_their_pieces_and_what_has_come_since(foretold):
         watched.windows.asked = []
         assert not test()
         return tuple(next(n for n in range(1, 3 * LONG + 9) if sum(watched.squares[-n:])
-                          == pytest.approx(square, rel=1e-9)) for square in watched.windows.asked)
+                          == pytest.approx(recent.square, rel=1e-9))
+                     for recent, _ in watched.windows.asked)
 
     for _ in range(12):
         watched.take(1, held)
@@ -109,6 +110,18 @@ def test_windows_hold_their_pieces_and_what_has_come_since(foretold):
     assert {short for short, *_ in asked['samples']} == {6, 7, 8}
     assert {brief for _, brief, _ in asked['samples']} == {9, 10, 11}
     assert {middle for *_, middle in asked['samples']} == {15, 16, 17, 18, 19, 20}
+
+
+@pytest.mark.parametrize('pieces, foretold, behind', [
+    (12, True, BRIEF), (BRIEF, True, SHORT), (12, False, SHORT)])
+def test_the_two_shortest_share_what_is_older_than_both(pieces, foretold, behind):
+    watched = Watched(Witness, needed=-np.inf, foretold=foretold)
+    watched.take(3 * pieces, block(3.0).to_products())
+    watched.windows.asked = []
+    watched.windows.changed_by_pieces()
+    _, older = watched.windows.asked[0]
+    np.testing.assert_array_equal(
+        older.precision, watched.older_of(watched.split(behind)[0]).precision)
 
 
 def test_a_sample_in_the_middle_of_a_piece_shows_another_load(monkeypatch):

@@ -76,7 +76,7 @@ def test_the_estimate_of_an_arm_that_ails_is_told_to_be_less_sure(learned, silen
     pipeline, ill = run(shaken, silent if learned else None)
     method = pipeline.method
     grown = method._scale.beyond(method.factor)
-    assert grown > 1.3
+    assert grown > 1.3 and method.trusted.factor == pytest.approx(method.factor * grown)
     method._scale.clear()
     np.testing.assert_allclose(method.belief().covariance[0, 0] * grown, ill.covariance[0, 0],
                                rtol=0.05)

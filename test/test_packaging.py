@@ -23,6 +23,8 @@ from test_imports import IMPORTS, PACKAGE, ROS
 from hand_load_estimator.nodes.qos import OUTPUT, measurement
 from hand_load_estimator.simulation.own_domain import free_domain
 
+# What is built serves several tests: one process for all of them.
+pytestmark = pytest.mark.xdist_group('installed')
 EXECUTABLES = ('simulator_node', 'estimator_node', 'controller_node', 'hand_load')
 # Import name -> rosdep key, where they differ.
 KEYS = {'yaml': 'python3-yaml', 'numpy': 'python3-numpy', 'scipy': 'python3-scipy',

@@ -110,6 +110,11 @@ class Bayes(Watching):
         """The ModelTrust that its estimates count with."""
         return self._regression.trust
 
+    @property
+    def trusted(self):
+        """The Trust in the torque model, as what is published counts with it now."""
+        return self._scale.widened(self.trust.now)
+
     def belief(self):
         """Return the present Belief."""
         belief = self._regression.belief()

@@ -28,7 +28,8 @@ class ChangeWindows:
     change (10, 10): covariance of what the products may change by with the load. A window begins
     some pieces back and grows with every sample, until it is begun anew. Where the model has
     foretold the torques well, less evidence is asked for, every sample is tested, also for a slip
-    of the grasp, the longest window for small changes, and no joint is suspected instead.
+    of the grasp, in one window more, the longest one for small changes, and no joint is suspected
+    instead.
     Elsewhere what ails an arm looks like another load the more often, the more is tested.
     """
 
@@ -60,7 +61,8 @@ class ChangeWindows:
             due = ((SHORT, MIDDLE), (SHORT,))[self._turn]
         splits = {count: self._recent.split(count) for count in due}
         self._begun = [count for count, split in splits.items() if split is not None]
-        # The piece between the two shortest tells next to nothing of a load: one belief for both.
+        # One belief for the two shortest: once there was some motion, the piece between tells
+        # next to nothing.
         shortest = BRIEF if BRIEF in self._begun else SHORT
         older = {count: older_of(splits[count][0]) for count in self._begun if count >= shortest}
         self._windows.update({count: (splits[count][1], older[max(count, shortest)])

@@ -7,6 +7,8 @@ errors of a fit count as much more as its residuals are larger than stated), but
 estimate has not taken for load already: what is too much counts several times.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 # Squared innovations are averaged over this much motion of a joint [s], beside so much of it in
@@ -39,6 +41,10 @@ class InnovationScale:
         ratio = innovation ** 2 / (self._variance + expected)
         self.sums *= 1.0 - seconds / MEMORY
         self.sums += seconds * np.array((ratio, np.ones_like(ratio), np.full_like(ratio, dt)))
+
+    def widened(self, trust):
+        """Return a Trust with the factor that these innovations ask for."""
+        return replace(trust, factor=trust.factor * self.beyond(trust.factor))
 
     def beyond(self, factor):
         """Return what variances, `factor` times what is stated already, have to grow by."""

@@ -62,6 +62,11 @@ class Lstm(Watching):
         return self._plain.trust
 
     @property
+    def trusted(self):
+        """The Trust in the torque model, as what is published counts with it now."""
+        return self._scale.widened(self.trust.now)
+
+    @property
     def tared(self):
         """Products (10,) declared zero by tare: those that its estimates are beside."""
         return self._learned.tared

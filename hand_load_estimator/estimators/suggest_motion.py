@@ -136,8 +136,8 @@ class MotionSuggester:
         best, best_std = (None, now)
         if open_.any():
             self._follower.carry(believed, method)
-            belief = _Belief(believed.mean, believed.covariance, method.trusted)
-            best, best_std = self._best(belief, pose, temperature, wanted)
+            belief = _Belief(believed.mean, believed.covariance)
+            best, best_std = self._best(belief, method.trusted, (pose, temperature), wanted)
         names = np.array(MESSAGE_ORDER)
         if best is None:
             return Suggestion(tuple(names[open_]), (), (), None, now, now)
@@ -145,18 +145,19 @@ class MotionSuggester:
         return Suggestion(tuple(names[open_]), tuple(names[open_ & (best_std < self._thresholds)]),
                           moves, best.trajectory(pose), now, best_std)
 
-    def _best(self, belief, pose, temperature, wanted):
+    def _best(self, belief, trust, standing, wanted):
         """Return the (cheapest _Candidate, its std) that settles all wanted, or most of it."""
+        pose, temperature = standing
         best, best_std, best_open = None, None, self._openness(belief.std, wanted)
         for candidate in self._candidates:
             motion = candidate.trajectory(pose)
             if not self._inside(motion):
                 continue
-            quick = self._openness(belief.after(self._glance(motion, belief.trust)), wanted)
+            quick = self._openness(belief.after(self._glance(motion, trust)), wanted)
             # A glance flatters: it knows the model's parameters.
             if quick >= best_open - 0.05 or not self._clear(motion, pose):
                 continue
-            std = belief.after(self._look(motion, temperature, belief.trust))
+            std = belief.after(self._look(motion, temperature, trust))
             found = self._openness(std, wanted)
             if found < best_open - 0.05:
                 best, best_std, best_open = candidate, std, found
@@ -235,14 +236,10 @@ class MotionSuggester:
 
 
 class _Belief:
-    """
-    A belief in message order, to which information about the products is added.
+    """A belief in message order, to which information about the products is added."""
 
-    trust: the Trust in the model that the information counts with.
-    """
-
-    def __init__(self, mean, covariance, trust):
-        self.std, self.trust = np.sqrt(np.diag(covariance)), trust
+    def __init__(self, mean, covariance):
+        self.std = np.sqrt(np.diag(covariance))
         self._jacobian = products_jacobian_of_message(mean) * self.std
         self._precision = np.linalg.inv(covariance / np.outer(self.std, self.std))
 

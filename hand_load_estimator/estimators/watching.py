@@ -21,8 +21,8 @@ class Watching:
 
     @property
     def trusted(self):
-        """The Trust in the torque model, as the estimate counts with it now."""
-        return self._watcher.trust.now
+        """The Trust in the torque model, as what is published counts with it now."""
+        return self._watcher.trusted
 
     @property
     def factor(self):
