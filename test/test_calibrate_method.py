@@ -201,6 +201,11 @@ def test_those_shipped_are_taken_by_name_and_told(method):
     assert build_pipeline('ur10e', method, intervals=name).intervals.startswith(name)
 
 
+@pytest.mark.parametrize('method', ['bayes', 'least_squares', 'gp_bayes'])
+def test_those_made_with_the_doubts_of_today_are_taken_by_themselves(method):
+    assert build_pipeline('ur10e', method).intervals == f'ur10e_{method}_intervals'
+
+
 def test_a_card_that_names_no_model_is_told_as_that(tmp_path):
     intervals = read_intervals(written(tmp_path, four_axes()), four_axes(), 'bayes')
     assert intervals.told({'model': 'x', 'function': None}).endswith(
