@@ -201,7 +201,8 @@ def test_those_shipped_are_taken_by_name_and_told(method):
     assert build_pipeline('ur10e', method, intervals=name).intervals.startswith(name)
 
 
-@pytest.mark.parametrize('method', ['bayes', 'least_squares', 'gp_bayes'])
+@pytest.mark.parametrize('method', ['bayes', 'least_squares', 'gp_bayes', 'gp_swarm',
+                                    'gp_evolution'])
 def test_those_made_with_the_doubts_of_today_are_taken_by_themselves(method):
     assert build_pipeline('ur10e', method).intervals == f'ur10e_{method}_intervals'
 
