@@ -202,7 +202,7 @@ def test_those_shipped_are_taken_by_name_and_told(method):
 
 
 @pytest.mark.parametrize('method', ['bayes', 'least_squares', 'gp_bayes', 'gp_swarm',
-                                    'gp_evolution'])
+                                    'gp_evolution', 'gp_histogram'])
 def test_those_made_with_the_doubts_of_today_are_taken_by_themselves(method):
     assert build_pipeline('ur10e', method).intervals == f'ur10e_{method}_intervals'
 
