@@ -196,15 +196,10 @@ def test_which_intervals_are_at_work_is_told(made, model):
 
 
 @pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
-def test_those_shipped_are_taken_by_name_and_told(method):
+def test_those_shipped_are_taken_by_themselves_and_by_name(method):
     name = f'ur10e_{method}_intervals'
-    assert build_pipeline('ur10e', method, intervals=name).intervals.startswith(name)
-
-
-@pytest.mark.parametrize('method', ['bayes', 'least_squares', 'gp_bayes', 'gp_swarm',
-                                    'gp_evolution', 'gp_histogram'])
-def test_those_made_with_the_doubts_of_today_are_taken_by_themselves(method):
-    assert build_pipeline('ur10e', method).intervals == f'ur10e_{method}_intervals'
+    assert build_pipeline('ur10e', method, intervals=name).intervals == name
+    assert build_pipeline('ur10e', method).intervals == name
 
 
 def test_a_card_that_names_no_model_is_told_as_that(tmp_path):
