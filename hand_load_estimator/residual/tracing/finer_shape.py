@@ -91,8 +91,7 @@ def finer(candidate, blocks, model, residual, warmed):
     asked = [*forms, lambda here: other_ways(here, model, r), *forms] if turns(plain) else forms
     if candidate.gain < PLENTY or not asked:
         return candidate
-    own = blocks if not turns(plain) else Blocks(
-        r.residual, r.turning, blocks.nuisances, r.starts, r.folds, r.cut.groups)
+    own = _telling(candidate, blocks, r)
     best = plain, own.evaluate(plain.columns)
     for others in asked:
         pairs = [best, *((trial, own.evaluate(trial.columns)) for trial in others(best[0]))]
@@ -100,6 +99,14 @@ def finer(candidate, blocks, model, residual, warmed):
         best, _ = search_around(best, own, model, r)
     best = _without_what_does_not_pay(best, plain, own, model, r)
     return single(best[0], blocks.evaluate(best[0].columns))
+
+
+def _telling(candidate, blocks, residual):
+    """Return the Blocks that tell the shape of a candidate's effect: beside `blocks`, reversals."""
+    r = residual
+    if candidate.gain < PLENTY or not turns(candidate.parts[0][0]):
+        return blocks
+    return Blocks(r.residual, r.turning, blocks.nuisances, r.starts, r.folds, r.cut.groups)
 
 
 def searched_again(candidate, blocks, model, residual, warmed):
@@ -111,17 +118,20 @@ def searched_again(candidate, blocks, model, residual, warmed):
     """
     if not any(searched(h) for h, _ in candidate.parts):
         return evaluated(candidate, blocks)
-    pairs = [search_around((h, blocks.evaluate(h.columns)), blocks, model, residual)[0]
+    alone = not candidate.common and len(candidate.parts) == 1
+    own = _telling(candidate, blocks, residual) if alone else blocks
+    pairs = [search_around((h, own.evaluate(h.columns)), own, model, residual)[0]
              for h in hypotheses_of(candidate)]
     if candidate.common:
         return in_common(*pairs[0])
-    if len(pairs) > 1:
+    if not alone:
         return joined(candidate.name, tuple(pairs))
     plain = _plain(candidate.parts[0][0], model, residual)
     start, _ = search_around((plain, blocks.evaluate(plain.columns)), blocks, model, residual)
-    anew = finer(single(*start), blocks, model, residual, warmed)
-    return max((single(*pairs[0]), anew), key=lambda c: rank(*c.parts[0], -price(
-        c.parts[0][0], plain)))
+    anew = finer(single(*start), blocks, model, residual, warmed).parts[0][0]
+    best, _ = max((pairs[0], (anew, own.evaluate(anew.columns))),
+                  key=lambda pair: rank(*pair, -price(pair[0], plain)))
+    return single(best, blocks.evaluate(best.columns))
 
 
 def _plain(hypothesis, model, residual):

@@ -22,6 +22,8 @@ from .ripple import likely_periods
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
 # And its curve reach the level sooner than Dahl's, which never does (presliding.Turning).
 PRESLIDING_POWERS = (np.inf, 2.0)
+# The travel that goes with another power is so many times longer, or shorter, than with this.
+WITH_ANOTHER_POWER = (0.6, 0.8, 1.0, 1.25, 1.6)
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 # Large ones tell more of their curves than the plainest: how a Stribeck peak falls (measured:
@@ -236,8 +238,10 @@ def other_forms(hypothesis, model, residual, warmed):
 def other_ways(hypothesis, model, residual):
     """Return the Hypotheses that differ from one of `turns` in how friction turns."""
     if hypothesis.name == 'presliding_hysteresis':
-        ways = [{'power': power} for power in PRESLIDING_POWERS
-                if power != hypothesis.shape['power']]
+        travel = hypothesis.shape['presliding_distance']
+        ways = [{'presliding_distance': travel * factor, 'power': power}
+                for power in PRESLIDING_POWERS if power != hypothesis.shape['power']
+                for factor in WITH_ANOTHER_POWER]
     else:
         powers = PRESLIDING_POWERS if 'power' in hypothesis.shape else (np.inf,)
         ways = [{name: value for name, value in (('travel', travel), ('power', power))
