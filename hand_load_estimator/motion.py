@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from .course import MeasuredCourse
 from .derivatives import Derivatives
 
 # Bandwidth of each stage [rad/s]: three of them delay by 3 / w = 30 ms and leave a measured
@@ -47,8 +48,9 @@ class MotionSample:
     temperature (n,) each; effort in the unit of the message; temperature NaN where unknown.
     fresh: the filter has just (re)started, and a start in motion would still show. messages: how
     many messages came since the sample before. jerk (n,): how fast the acceleration changed since
-    the sample before, which tells how much of the motion the filter has smoothed away; None
-    where no filter has.
+    the sample before, which tells how much of the motion the filter has smoothed away; course
+    (2, STEPS, n): position and velocity as they were measured since the sample before
+    (course.py). Both None where no filter has smoothed anything.
     """
 
     stamp: float
@@ -61,6 +63,7 @@ class MotionSample:
     fresh: bool
     messages: int = 1
     jerk: np.ndarray | None = None
+    course: np.ndarray | None = None
 
 
 def filter_step(dt, w=BANDWIDTH):
@@ -117,6 +120,7 @@ class MotionFilter:
         if self._without_velocity:
             signal[1] = 0.0
         self._advance(dt, signal)
+        self._course.hear(stamp, signal[:2])
         self._stamp = stamp
         self._messages += 1
         self._period += 0.1 * (dt - self._period) if self._period else dt
@@ -132,6 +136,7 @@ class MotionFilter:
         # The filter starts as if the first reading had stood for ever, which is exact at rest;
         # samples are fresh while the start may still show in the acceleration.
         self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
+        self._course = MeasuredCourse(stamp, signal[:2])
         self._stamp = self._emitted = stamp
         self._started = self._sparse = stamp
         self._acceleration = np.zeros(self._n)
@@ -162,7 +167,7 @@ class MotionFilter:
         self._acceleration = motion[1]
         return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
                             self.temperature.copy(), stamp - self._started < _FORGOTTEN, messages,
-                            jerk)
+                            jerk, self._course.sampled(self._without_velocity))
 
     def _weighed(self, of_position, of_velocity):
         """Return velocity and acceleration (2, n), by the velocity alone after a wide step."""
@@ -177,7 +182,7 @@ class Motion:
     """
     MotionSamples of one recording stacked: stamp, dt, messages (N,); the others (N, n).
 
-    jerk is None where no filter has smoothed the motion.
+    course (N, 2, STEPS, n) and jerk are None where no filter has smoothed the motion.
     """
 
     stamp: np.ndarray
@@ -189,6 +194,7 @@ class Motion:
     temperature: np.ndarray
     messages: np.ndarray
     jerk: np.ndarray | None = None
+    course: np.ndarray | None = None
 
     @staticmethod
     def of(samples):
@@ -196,10 +202,8 @@ class Motion:
         samples = [s for s in samples if not s.fresh]
         columns = {field.name: [getattr(s, field.name) for s in samples]
                    for field in fields(Motion)}
-        if any(jerk is None for jerk in columns['jerk']):
-            columns['jerk'] = None
-        return Motion(**{name: None if column is None else np.array(column)
-                         for name, column in columns.items()})
+        return Motion(**{name: None if any(value is None for value in column)
+                         else np.array(column) for name, column in columns.items()})
 
     def part(self, rows):
         """Return the Motion of some rows."""
@@ -211,4 +215,4 @@ class Motion:
         for k in range(len(self.stamp)):
             row = self.part(k)
             yield MotionSample(row.stamp, row.dt, row.q, row.v, row.a, row.effort,
-                               row.temperature, False, row.messages, row.jerk)
+                               row.temperature, False, row.messages, row.jerk, row.course)

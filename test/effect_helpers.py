@@ -9,7 +9,7 @@ from hand_load_estimator.motion import Motion
 from hand_load_estimator.torque.columns import effect_slices, EffectUse, parameter_count
 from hand_load_estimator.torque.lateness import lateness
 from hand_load_estimator.torque.play import PlayAlong
-from hand_load_estimator.torque.shown_friction import shown_along
+from hand_load_estimator.torque.shown_friction import course_behind, shown_along
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 DT = 0.02
@@ -31,7 +31,7 @@ def waves(robot, rng, seconds, celsius):
 
 def inputs(n=4, count=60, seed=0):
     """Return an EffectInput of random numbers with everything an effect may read."""
-    rng, shape = np.random.default_rng(seed), (60, n)
+    rng, shape = np.random.default_rng(seed), (count, n)
     torque, dt = np.cumsum(rng.normal(size=shape), axis=0), np.full(count, DT)
     q, v, a = (rng.uniform(-size, size, shape) for size in (2, 1, 3))
     warmth, tilt = rng.uniform(-10, 25, shape), rng.normal(size=(*shape, 2))
@@ -40,7 +40,7 @@ def inputs(n=4, count=60, seed=0):
         10.0 * rng.normal(size=shape), rng.normal(size=shape), torque, rng.normal(size=shape),
         lambda: tilt, lateness(torque, dt),
         PlayAlong(((torque, 2.0 + np.zeros(shape), dt),), np.full(n, 2.0)),
-        shown_along(q, v, a, dt, warmth))
+        shown_along(course_behind(q, v, a, dt), dt, warmth))
 
 
 def model_with(robot, names, values, shape=None):

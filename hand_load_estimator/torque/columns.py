@@ -15,7 +15,7 @@ from ..effects.knee import KNEE
 from .lateness import lateness
 from .play import PlayAlong
 from .presliding import presliding_paths
-from .shown_friction import shown_along
+from .shown_friction import course_of, shown_along
 from .shown_links import shown_links_and_way
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
@@ -277,7 +277,7 @@ def motion_inputs(robot, motions, distance, power=None):
 
 def _input(robot, motion, z):
     warmth = warmth_of(robot, motion.temperature)
-    shown = shown_along(motion.q, motion.v, motion.a, motion.dt, warmth, motion.jerk)
+    shown = shown_along(course_of(motion), motion.dt, warmth)
     return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown, jerk=motion.jerk)
 
 

@@ -7,8 +7,8 @@ def lock_step(parts, follow):
     """
     Return what `follow` makes of parts, a list of arrays (N, ..., k).
 
-    parts: tuples of arrays (N, any). follow(numbers, rows) gets the numbers of parts of like
-    length and, of each of their arrays, (L, any of all) with the parts beside one another; the
+    parts: tuples of arrays (N, ..., any). follow(numbers, rows) gets the numbers of parts of like
+    length and, of each of their arrays, (L, ..., any of all) with the parts beside one another; the
     last rows of shorter ones are repeated, and what comes of them cut off. It returns
     (L, ..., k of all).
     """
@@ -34,7 +34,8 @@ def _of_like_length(lengths):
 
 def _side_by_side(parts):
     longest = max(len(part[0]) for part in parts)
-    return [np.hstack([_as_long(rows, longest) for rows in own]) for own in zip(*parts)]
+    return [np.concatenate([_as_long(rows, longest) for rows in own], axis=-1)
+            for own in zip(*parts)]
 
 
 def _as_long(rows, count):

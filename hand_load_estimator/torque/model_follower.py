@@ -14,7 +14,7 @@ from .misread_weight import misread_columns, misread_directions
 from .noise import SampleNoise
 from .play import PlayState
 from .presliding import STUCK_TIME, PreslidingState, stuck_variance
-from .shown_friction import ShownStream
+from .shown_friction import course_of, ShownStream
 from .sliding import surely_slides
 
 
@@ -165,8 +165,7 @@ class ModelFollower:
         robot = self.model.robot
         z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         warmth = warmth_of(robot, sample.temperature)
-        shown = self._shown and self._shown.at(sample.q, sample.v, sample.a, sample.dt, warmth,
-                                               sample.jerk)
+        shown = self._shown and self._shown.at(course_of(sample), sample.dt, warmth)
         x = EffectInput(
             *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), shown=shown,
             jerk=None if sample.jerk is None else sample.jerk[None])

@@ -4,10 +4,9 @@ Friction as the motion filter shows it: of the motion before the filter, and the
 Torque is compared behind a low-pass (motion.py). What is smooth may be evaluated at the filtered
 motion; friction that turns within a reversal may not: a peak that lasts a few hundredths of a
 second is spread over the filter's memory, and the filtered velocity is far from the one that it
-belongs to. The motion before the filter F(s) = (w / (s + w))^3 is F(s)^-1 = (1 + s / w)^3 of it,
-of which q, v, a and jerk give all but the velocity's last term. There friction is evaluated, as
-contacts that bend up to what is left of the Stribeck peak (stribeck_curve.py): where the peak
-comes back as a joint slows down, they have to bend again. Then it is passed through the filter.
+belongs to. So friction is evaluated along the motion as it was measured (course.py), as contacts
+that bend up to what is left of the Stribeck peak (stribeck_curve.py): where the peak comes back
+as a joint slows down, they have to bend again. Then it is passed through the filter.
 """
 
 from dataclasses import dataclass
@@ -16,20 +15,18 @@ from itertools import repeat
 
 import numpy as np
 
+from ..course import SHARES, STEPS
 from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
 from .presliding import beyond_noise, Turning, ways_along
 
-# Steps within a sample: five milliseconds at the motion filter's rate.
-STEPS = 4
 # Times between samples are rounded to this [s], so that jitter makes no end of filters.
 ROUNDED = 1e-4
 # Of a Stribeck peak less than this [-] is nothing.
 LEAST_LEVEL = 1e-6
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
-_SHARES = np.arange(1, STEPS + 1)[:, None] / STEPS
 
 
 @lru_cache(maxsize=4096)
@@ -66,11 +63,27 @@ def _filtered_along(stages, friction, dt):
     return out
 
 
-def unfiltered(q, v, a, jerk=None):
-    """Return position [rad] and velocity [rad/s] before the filter, of the filtered motion."""
-    j = 0.0 if jerk is None else jerk / BANDWIDTH
-    return (q + (3.0 * v + (3.0 * a + j) / BANDWIDTH) / BANDWIDTH,
-            v + 3.0 * (a + j) / BANDWIDTH)
+def course_of(motion):
+    """
+    Return the course of a Motion (N, 2, STEPS, n) or of a MotionSample (2, STEPS, n).
+
+    Where no filter has seen it: that of which the filter would have made it.
+    """
+    if motion.course is not None:
+        return motion.course
+    return course_behind(motion.q, motion.v, motion.a, motion.dt)
+
+
+def course_behind(q, v, a, dt):
+    """
+    Return the course (..., 2, STEPS, n) of which the filter would have made q, v, a (..., n).
+
+    As far as these tell: F(s)^-1 = (1 + s / w)^3. dt (...) [s]: since the sample before.
+    """
+    back = np.asarray(dt)[..., None, None] * (1.0 - SHARES)[:, None]
+    q, v, a = (part[..., None, :] for part in (q, v, a))
+    q, v, a = q - back * (v - 0.5 * back * a), v - back * a, a + np.zeros_like(back)
+    return np.stack([q + 3.0 * (v + a / BANDWIDTH) / BANDWIDTH, v + 3.0 * a / BANDWIDTH], axis=-3)
 
 
 class _Contacts:
@@ -84,32 +97,30 @@ class _Contacts:
         """
         Return what `bend` takes, for any number of samples at once.
 
-        moved (..., K) [rad] within each; levels (..., STEPS, K), or None for a level of one.
+        moved (..., STEPS, K) [rad] within each; levels (..., STEPS + 1, K) before, within and
+        after, or None for one of one.
         """
-        way = np.abs(moved)[..., None, :]
-        if levels is None:
-            return np.sign(moved), self._turning.bends(_SHARES * way / self._travels), None
-        levels = np.maximum(levels, LEAST_LEVEL)
-        # Springs of one stiffness: half the level is reached in half the way.
-        return (np.sign(moved), self._turning.bends(way / STEPS / (levels * self._travels)),
-                levels)
+        travels = self._travels
+        if levels is not None:
+            # Half of each step's way at the level before it, half at the one after: of second
+            # order in the step. Springs of one stiffness: half the level, half the way.
+            levels = np.maximum(np.repeat(levels, 2, axis=-2)[..., 1:-1, :], LEAST_LEVEL)
+            moved, travels = 0.5 * np.repeat(moved, 2, axis=-2), levels * travels
+        return np.sign(moved), self._turning.bends(np.abs(moved) / travels), levels
 
-    def bend(self, direction, bends, levels):
+    def bend(self, directions, bends, levels):
         """Return friction (STEPS + 1, K) as it was and within a sample, before the filter."""
-        out = np.empty((STEPS + 1, len(direction)))
-        out[0] = self.friction
-        along, after = direction * self.friction, self._turning.after
-        if levels is None:
-            out[1:] = direction * (1.0 - after(np.maximum(1.0 - along, 0.0), bends))
-        else:
-            for k, level in enumerate(levels):
-                along = level - level * after(np.maximum(1.0 - along / level, 0.0), bends[k])
-                out[k + 1] = along
-            out[1:] *= direction
-        if not direction.all():
-            out[1:] = np.where(direction != 0.0, out[1:], self.friction)
-        self.friction = out[STEPS]
-        return out
+        out = np.empty((len(bends) + 1, bends.shape[1]))
+        out[0] = friction = self.friction
+        after, stands = self._turning.after, not directions.all()
+        for k, (direction, bend) in enumerate(zip(directions, bends)):
+            level = 1.0 if levels is None else levels[k]
+            remains = after(np.maximum(1.0 - direction * friction / level, 0.0), bend)
+            turned = direction * (level - level * remains)
+            friction = np.where(direction != 0.0, turned, friction) if stands else turned
+            out[k + 1] = friction
+        self.friction = friction
+        return out[::len(bends) // STEPS]
 
 
 class ShownFriction:
@@ -125,23 +136,18 @@ class ShownFriction:
         self._contacts = _Contacts(travels, powers)
         self._anchor, self._stages = None, np.zeros((3, len(self._joints)))
 
-    def update(self, q, v, dt, warmth):
-        """Return friction (K,) after dt [s]; q, v (n,): unfiltered; warmth (n,) [K]."""
-        q, v = q[self._joints], v[self._joints]
+    def update(self, course, dt, warmth):
+        """Return friction (K,) after a course (2, STEPS, n) of dt [s]; warmth (n,) [K]."""
+        q, v = course[:, :, self._joints]
         if self._anchor is None:
-            self._anchor, self._speed = q, v
-        moved, self._anchor = beyond_noise(q, self._anchor)
-        levels = left(_speeds(self._speed, v), warmth[self._joints], *self._peak) \
-            if self._peak else None
-        self._speed, contacts = v, self._contacts
+            self._anchor, self._speed = q[0], v[0]
+        moved, contacts = np.empty_like(q), self._contacts
+        for k, now in enumerate(q):
+            moved[k], self._anchor = beyond_noise(now, self._anchor)
+        speeds, self._speed = np.vstack([self._speed, v]), v[-1]
+        levels = left(speeds, warmth[self._joints], *self._peak) if self._peak else None
         self._stages = _filtered(self._stages, contacts.bend(*contacts.ways(moved, levels)), dt)
         return self._stages[2]
-
-
-def _speeds(before, now):
-    """Return the speeds (..., STEPS, K) within samples between speeds (..., K)."""
-    before, now = before[..., None, :], now[..., None, :]
-    return before + _SHARES * (now - before)
 
 
 class ShownStream:
@@ -154,9 +160,9 @@ class ShownStream:
         """Forget the path."""
         self._places = {}
 
-    def at(self, q, v, a, dt, warmth, jerk=None):
-        """Return shown(joints, travels, powers, *peak) of EffectInput at a motion (n,)."""
-        raw, known = (*unfiltered(q, v, a, jerk), dt, warmth), {}
+    def at(self, *motion):
+        """Return shown(joints, travels, powers, *peak) of EffectInput; as of update."""
+        known = {}
 
         def shown(*places):
             several = np.broadcast_arrays(*map(np.atleast_1d, places))
@@ -164,7 +170,7 @@ class ShownStream:
             if key not in known:
                 if key not in self._places:
                     self._places[key] = ShownFriction(*several)
-                known[key] = self._places[key].update(*raw)[None]
+                known[key] = self._places[key].update(*motion)[None]
             return known[key] if any(map(np.ndim, places)) else known[key][:, 0]
         return shown
 
@@ -174,8 +180,8 @@ class ShownAlong:
     """
     shown(joints, travels, powers, *peak) of EffectInput along recordings, one after the other.
 
-    parts: (q, v (N, n) unfiltered, warmth (N, n) [K], dt (N,) [s]) of each. Arguments of a call as
-    of ShownFriction for (N, K), or plain numbers for (N,).
+    parts: (course (N, 2, STEPS, n), warmth (N, n) [K], dt (N,) [s]) of each. Arguments of a call
+    as of ShownFriction for (N, K), or plain numbers for (N,).
     """
 
     parts: tuple
@@ -188,25 +194,28 @@ class ShownAlong:
 
     @cached_property
     def _prepared(self):
-        """Way, speeds before and after, warmth (N, n) and dt (N, 1) of each part."""
+        """Ways (N, STEPS, n), speeds (N, STEPS + 1, n), warmth (N, 1, n), dt (N, 1) of each."""
         out = []
-        for q, v, warmth, dt in self.parts:
-            out.append((ways_along(q), np.concatenate([v[:1], v[:-1]]), v, warmth, dt[:, None]))
+        for course, warmth, dt in self.parts:
+            q, v = course.swapaxes(0, 1)
+            ways = ways_along(q.reshape(-1, q.shape[2])).reshape(q.shape)
+            before = np.concatenate([v[:1, :1], v[:-1, -1:]])
+            out.append((ways, np.hstack([before, v]), warmth[:, None], dt[:, None]))
         return out
 
     @staticmethod
     def _follow(count, places, rows):
         """Return friction (L, K of all) of `count` parts; places: (joints, figures) of each."""
         *motion, dt = rows
-        n, (joints, *figures) = motion[0].shape[1] // count, places
+        n, (joints, *figures) = motion[0].shape[2] // count, places
         travels, powers, *peak = (np.tile(figure, count) for figure in figures)
         joints = np.concatenate([joints + k * n for k in range(count)])
         contacts, stages = _Contacts(travels, powers), np.zeros((count, 3, len(joints) // count))
         out = []
         for first in range(0, len(dt), ROWS):
             some = slice(first, first + ROWS)
-            moved, before, now, warmth = (values[some, joints] for values in motion)
-            levels = left(_speeds(before, now), warmth[:, None], *peak) if peak else None
+            moved, v, warmth = (values[some, :, joints] for values in motion)
+            levels = left(v, warmth, *peak) if peak else None
             bent = np.array([contacts.bend(*row) for row in _rows(contacts.ways(moved, levels))])
             shown = _filtered_along(stages, bent.reshape(len(bent), STEPS + 1, count, -1)
                                     .swapaxes(1, 2), dt[some])
@@ -220,6 +229,6 @@ def _rows(arrays):
     return zip(*(repeat(None) if values is None else values for values in arrays))
 
 
-def shown_along(q, v, a, dt, warmth, jerk=None):
-    """Return ShownAlong one motion (N, n) behind the filter; dt (N,) [s]; warmth (N, n) [K]."""
-    return ShownAlong(((*unfiltered(q, v, a, jerk), warmth, dt),))
+def shown_along(course, dt, warmth):
+    """Return ShownAlong one course (N, 2, STEPS, n); dt (N,) [s]; warmth (N, n) [K]."""
+    return ShownAlong(((course, warmth, dt),))

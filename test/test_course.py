@@ -1,0 +1,55 @@
+"""The motion between two samples, as it was measured."""
+
+import numpy as np
+import pytest
+
+from hand_load_estimator.course import MeasuredCourse, SHARES, STEPS
+from hand_load_estimator.motion import Motion, MotionFilter
+
+
+def heard(rate, with_velocity=True):
+    """Return a Motion of two joints that turn around, behind the filter."""
+    motion, samples = MotionFilter(2), []
+    for t in np.arange(0.0, 2.0, 1.0 / rate):
+        v = np.array([0.3 * np.cos(20.0 * t), -0.4 * np.sin(9.0 * t)])
+        q = np.array([0.015 * np.sin(20.0 * t), 0.4 / 9.0 * np.cos(9.0 * t)])
+        samples.append(motion.update(t, q, v if with_velocity else np.full(2, np.nan), 0.0 * q))
+    return Motion.of([s for s in samples if s is not None])
+
+
+@pytest.mark.parametrize('rate', [100.0, 250.0, 500.0, 1000.0])
+@pytest.mark.parametrize('with_velocity', [True, False])
+def test_it_is_the_motion_at_even_moments(rate, with_velocity):
+    motion = heard(rate, with_velocity)
+    times = motion.stamp[:, None] + motion.dt[:, None] * (SHARES - 1.0)
+    assert motion.course.shape == (len(motion.stamp), 2, STEPS, 2)
+    q = np.stack([0.015 * np.sin(20.0 * times), 0.4 / 9.0 * np.cos(9.0 * times)], axis=-1)
+    # Straight lines between messages are off by a dt^2 / 8.
+    np.testing.assert_allclose(motion.course[:, 0], q, atol=6.0 / 8.0 / rate ** 2 + 1e-12)
+    # A difference of positions is the velocity half a step, or half a message, ago.
+    if not with_velocity:
+        times = times - 0.5 * max(motion.dt[0] / STEPS, 1.0 / rate)
+    v = np.stack([0.3 * np.cos(20.0 * times), -0.4 * np.sin(9.0 * times)], axis=-1)
+    np.testing.assert_allclose(motion.course[:, 1], v, atol=0.02 if rate > 100.0 else 0.06)
+
+
+def test_the_next_begins_where_the_last_ended():
+    course = MeasuredCourse(0.0, np.zeros((2, 1)))
+    course.hear(0.004, np.full((2, 1), 1.0))
+    assert course.sampled(False)[0, :, 0] == pytest.approx(SHARES)
+    course.hear(0.012, np.full((2, 1), 3.0))
+    np.testing.assert_allclose(course.sampled(False)[0, :, 0], 1.0 + 2.0 * SHARES)
+
+
+def test_messages_that_come_unevenly_are_joined_by_straight_lines():
+    course = MeasuredCourse(1.0, np.zeros((2, 1)))
+    for stamp in (1.001, 1.009, 1.016, 1.02):
+        course.hear(stamp, np.full((2, 1), stamp - 1.0))
+    np.testing.assert_allclose(course.sampled(False), np.tile(0.02 * SHARES[:, None], (2, 1, 1)))
+
+
+def test_where_one_sample_has_none_the_motion_has_none():
+    motion = heard(500.0)
+    samples = list(motion.samples())
+    np.testing.assert_array_equal(Motion.of(samples).course, motion.course)
+    assert motion.part(slice(3, 9)).course.shape[0] == 6
