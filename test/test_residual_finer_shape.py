@@ -8,11 +8,14 @@ from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.tracing.candidate import single
 from hand_load_estimator.residual.tracing.finer_shape import (best_of_each, finer, search_around,
                                                               searched_again)
-from hand_load_estimator.residual.tracing.hypotheses import hypotheses
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses, released
+from hand_load_estimator.residual.tracing.hypothesis import searched as off_default
 from hand_load_estimator.torque.presliding import presliding_path
 
 NAME, JOINT = 'presliding_hysteresis', 1
 TRAVEL, POWER = 6e-3, 2.0
+# Travel [rad], power, velocity [rad/s], exponent, range [K] of a Stribeck peak.
+PEAK = 1.5e-3, 1.6, 0.065, 1.3, 240.0
 
 
 def turning(run):
@@ -21,17 +24,57 @@ def turning(run):
     return presliding_path(run.motion.q, run.motion.v, run.motion.dt, *way)[0] - run.x.z
 
 
-@pytest.fixture(scope='module')
-def turned():
-    """Return model, Residual, Blocks and the best Candidate of those that never quite turn."""
+def peak(run):
+    """A Stribeck peak, every figure of whose form is a little off its default."""
+    return run.x.shown(np.arange(run.robot.n), *PEAK)
+
+
+def figures(hypothesis):
+    return set(off_default(hypothesis))
+
+
+def searched(effect, times, name):
+    """Return model, Residual, Blocks and the best Candidate of an effect's plainest form."""
     model = declared_model()
-    residual = find_residual(model, recorded(on(JOINT, 6.0, turning))[:-1])
+    residual = find_residual(model, recorded(on(JOINT, times, effect))[:-1])
     blocks = residual.blocks()
-    never = [h for h in hypotheses(model, residual, blocks, ())
-             if (h.name, h.joint) == (NAME, JOINT) and np.isinf(h.shape['power'])]
-    (pair,), _ = best_of_each(never, blocks)[0].values(), None
+    plain = [h for h in hypotheses(model, residual, blocks, ())
+             if (h.name, h.joint) == (name, JOINT) and np.isinf(h.shape['power'])]
+    (pair,) = best_of_each(plain, blocks)[0].values()
     best, _ = search_around(pair, blocks, model, residual)
     return model, residual, blocks, single(*best)
+
+
+@pytest.fixture(scope='module')
+def turned():
+    """Return what `searched` does of friction that never quite turns by its plainest form."""
+    return searched(turning, 6.0, NAME)
+
+
+@pytest.fixture(scope='module')
+def peaked():
+    """Return what `searched` does of a Stribeck peak."""
+    return searched(peak, 20.0, 'stribeck_friction')
+
+
+def test_all_figures_of_a_form_are_found_together(peaked):
+    model, residual, blocks, plain = peaked
+    shape = finer(plain, blocks, model, residual, (JOINT,)).parts[0][0].shape
+    names = 'travel', 'power', 'stribeck_velocity', 'exponent', 'velocity_range'
+    for name, true in zip(names, PEAK):
+        assert shape[name] == pytest.approx(true, rel=0.25), name
+
+
+def test_figures_at_their_defaults_are_released_to_be_searched(peaked):
+    """Only of what is off its default a step is tried."""
+    model, residual, _, candidate = peaked
+    plain = candidate.parts[0][0]
+    (free,) = released(plain, model, residual, True)
+    assert figures(plain) == {'stribeck_velocity'}
+    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range', 'power'}
+    (cold,) = released(plain, model, residual, False)
+    assert figures(cold) == {'stribeck_velocity', 'exponent', 'power'}
+    assert released(free, model, residual, True) == []
 
 
 def test_another_way_of_turning_is_asked_with_its_own_travel(turned):

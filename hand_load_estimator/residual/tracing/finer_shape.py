@@ -9,8 +9,8 @@ from itertools import product
 
 from ...effects import EFFECTS, LATE
 from ..measured.blocks import Blocks
-from .candidate import evaluated, hypotheses_of, in_common, joined, single
-from .hypotheses import FORMS, of_shapes, other_forms, other_ways, reshaped
+from .candidate import ahead, evaluated, hypotheses_of, in_common, joined, significant, single
+from .hypotheses import FORMS, of_shapes, other_forms, other_ways, released, reshaped
 from .hypothesis import physical, price, searched, turns
 from .shape_fit import settled
 
@@ -97,6 +97,10 @@ def finer(candidate, blocks, model, residual, warmed):
         pairs = [best, *((trial, own.evaluate(trial.columns)) for trial in others(best[0]))]
         best = max(pairs, key=lambda pair: rank(*pair, -price(pair[0], plain)))
         best, _ = search_around(best, own, model, r)
+    # Figures that make up for one another gain together what none of them does alone.
+    for free in released(best[0], model, r, plain.joint in warmed):
+        pair, _ = settled(free, own.evaluate(free.columns), own, model, r, rank)
+        best = max((best, pair), key=lambda pair: rank(*pair, -price(pair[0], plain)))
     best = _without_what_does_not_pay(best, plain, own, model, r)
     return single(best[0], blocks.evaluate(best[0].columns))
 
@@ -141,7 +145,7 @@ def _plain(hypothesis, model, residual):
 
 
 def _without_what_does_not_pay(best, plain, blocks, model, residual):
-    """Return the pair with every figure back at its default whose nats are below its price."""
+    """Return the pair with every figure back at its default that does not surely gain its price."""
     for shape in EFFECTS[plain.name].shapes:
         if not shape.gain or best[0].shape[shape.name] == plain.shape[shape.name]:
             continue
@@ -149,6 +153,7 @@ def _without_what_does_not_pay(best, plain, blocks, model, residual):
                           model, residual)
         # A figure beside it may have taken its place.
         less, _ = settled(less, blocks.evaluate(less.columns), blocks, model, residual, rank)
-        if rank(*less, shape.gain) > rank(*best):
+        if rank(*less, shape.gain) > rank(*best) or not significant(
+                ahead(single(*best), single(*less))):
             best = less
     return best

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...effects import EFFECTS, LATE
 from ...effects.knee import KNEE, shows
-from ...effects.own_travel import OWN_TRAVEL
+from ...effects.own_travel import OWN_TRAVEL, POWER
 from ...effects.stribeck_friction import VELOCITY_RANGE
 from ...identification.identify import prior
 from ..diagnosis import UNKNOWN
@@ -233,6 +233,26 @@ def other_forms(hypothesis, model, residual, warmed):
         forms.pop(VELOCITY_RANGE.name, None)
     shapes = [{**here, **dict(zip(forms, values))} for values in product(*forms.values())]
     return of_shapes(hypothesis, [shape for shape in shapes if shape != here], model, residual)
+
+
+def released(hypothesis, model, residual, warmed):
+    """
+    Return the Hypothesis with every figure of its form that stands at its default a little off it.
+
+    From there on it is searched with all others; a list of one, or of none. warmed: as of
+    other_forms.
+    """
+    figures = {**FORMS.get(hypothesis.name, {}), POWER.name: PRESLIDING_POWERS}
+    if not warmed:
+        figures.pop(VELOCITY_RANGE.name, None)
+    free = {name: _a_little_off(*values[:2]) for name, values in figures.items()
+            if hypothesis.shape.get(name) == values[0]}
+    return of_shapes(hypothesis, [{**hypothesis.shape, **free}], model, residual) if free else []
+
+
+def _a_little_off(default, other):
+    """Return a third of the way from a default to another value, which may come from infinity."""
+    return 3.0 * other if np.isinf(default) else default + (other - default) / 3.0
 
 
 def other_ways(hypothesis, model, residual):
