@@ -19,7 +19,7 @@ PEAK = 1.5e-3, 1.6, 0.065, 1.3, 240.0
 
 
 def turning(run):
-    """Friction that turns over a few encoder steps more than declared, and then is at its level."""
+    """Friction that turns over a longer way than declared, and then is at its level."""
     way = np.full(run.robot.n, TRAVEL), np.full(run.robot.n, POWER)
     return presliding_path(run.motion.q, run.motion.v, run.motion.dt, *way)[0] - run.x.z
 

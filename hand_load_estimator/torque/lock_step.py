@@ -8,7 +8,7 @@ def lock_step(parts, follow):
     Return what `follow` makes of parts, a list of arrays (N, ..., k).
 
     parts: tuples of arrays (N, ..., any). follow(numbers, rows) gets the numbers of parts of like
-    length and, of each of their arrays, (L, ..., any of all) with the parts beside one another; the
+    length and, of each of their arrays, (L, ..., any of all) with the parts side by side; the
     last rows of shorter ones are repeated, and what comes of them cut off. It returns
     (L, ..., k of all).
     """

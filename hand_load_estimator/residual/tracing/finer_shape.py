@@ -106,7 +106,7 @@ def finer(candidate, blocks, model, residual, warmed):
 
 
 def _telling(candidate, blocks, residual):
-    """Return the Blocks that tell the shape of a candidate's effect: beside `blocks`, reversals."""
+    """Return Blocks that tell the shape of a candidate's effect: as `blocks`, or with reversals."""
     r = residual
     if candidate.gain < PLENTY or not turns(candidate.parts[0][0]):
         return blocks
@@ -145,7 +145,7 @@ def _plain(hypothesis, model, residual):
 
 
 def _without_what_does_not_pay(best, plain, blocks, model, residual):
-    """Return the pair with every figure back at its default that does not surely gain its price."""
+    """Return the pair with every figure at its default that does not surely gain its price."""
     for shape in EFFECTS[plain.name].shapes:
         if not shape.gain or best[0].shape[shape.name] == plain.shape[shape.name]:
             continue
