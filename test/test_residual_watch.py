@@ -8,7 +8,9 @@ from plant_helpers import effects
 import pytest
 
 from hand_load_estimator.estimators.build import build_pipeline
-from hand_load_estimator.estimators.residual_watch import CALM, EARLIER, ENOUGH, LIMIT
+from hand_load_estimator.estimators.model_trust import MISFIT
+from hand_load_estimator.estimators.residual_watch import (CALM, EARLIER, ENOUGH, LIMIT,
+                                                           ResidualWatch)
 from hand_load_estimator.plant import JointEvent, simulate_motion
 from hand_load_estimator.seeds import SHIPPED_MODEL_PLANT
 from hand_load_estimator.simulation.simulate_motions import named_motion
@@ -65,6 +67,33 @@ def test_the_joint_that_has_aged_is_named(model, stream, joint):
     watch = watched(model, rubbed(model, stream, joint=joint))
     assert watch.aged[0].joint == model.robot.joints[joint]
     assert watch.aged[0].ratio == pytest.approx(watch.ratio[joint]) and watch.ratio[joint] > LIMIT
+
+
+class Doubting:
+    """A Method that knows no load, because variances of torques are `factor` times the stated."""
+
+    def __init__(self, method, factor):
+        self._method, self.factor = method, factor
+
+    def __getattr__(self, name):
+        return getattr(self._method, name)
+
+    def belief(self):
+        belief = self._method.belief()
+        return replace(belief, covariance=1e6 * belief.covariance)
+
+
+@pytest.mark.parametrize('factor, told', [(0.9 * MISFIT, False), (1.1 * MISFIT, True)])
+def test_where_the_model_explains_nothing_no_load_need_be_known(model, stream, factor, told):
+    """It is then held to what it states; while it explains the torques the load is waited for."""
+    watch = ResidualWatch(model.robot.joints, model.residuals.intensity)
+    pipeline = pipeline_of(model)
+    pipeline.watch.update = lambda sample, prediction, method: watch.update(
+        sample, prediction, Doubting(method, factor))
+    for _ in follow(pipeline, rubbed(model, stream)):
+        pass
+    assert [aged.joint for aged in watch.aged] == ([model.robot.joints[JOINT]] if told else [])
+    assert watch.seconds.any() == told
 
 
 def test_since_when_and_after_how_much_motion(model):

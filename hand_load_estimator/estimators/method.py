@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .information import Trust
+from .information import Posterior, Trust
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,9 @@ class Method(Protocol):
 
     def belief(self) -> Belief:
         """Return the present belief; the prior before any data."""
+
+    def as_stated(self) -> Posterior:
+        """Return the posterior of the load were the torque model as wrong as it states."""
 
     def forget(self):
         """Forget the load, and how well the model foretold its torques."""

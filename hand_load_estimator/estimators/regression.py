@@ -241,6 +241,11 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self.posterior.shape, doubt, self._tare,
                             self.trust.now)
 
+    def as_stated(self):
+        """Return the Posterior of all data so far were the torque model as wrong as it states."""
+        return posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
+                            self._tare)
+
     def _solve(self):
         self._total = self._recent.total()
         return posterior_of(self._total, self._prior, self._start, self._counted_doubt,

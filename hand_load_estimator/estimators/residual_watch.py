@@ -4,19 +4,25 @@ Tell from the running residual that a torque model has aged: which joint, and si
 While a joint slides, what load and model leave of its torque is averaged over short blocks. A
 mean over t seconds may have the variance density / t that the model states of itself, and what
 load and model are known to be uncertain by; the mean square of the ratio over minutes shows more.
-It is slow and sensitive, where MismatchWatch is quick and coarse.
+Of a model that does not explain the torques at all no load may ever be known again: it then counts
+as uncertain by as much as the model states, which is what the model is held to. The watch is slow
+and sensitive, where MismatchWatch is quick and coarse.
 """
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..load import products_from_message, products_jacobian_of_message
 from ..torque.sliding import BLOCK, LEAST, surely_slides
+from .model_trust import MISFIT
 
 # The load's torque is known when its variance is at most so many times the one the model states.
 LOAD_KNOWN = 4.0
+# Of a model that does not explain the torques: by the model's own word it has to be far better
+# known, which it is after seconds of motion, or what is left of it is blamed on other joints.
+WELL_KNOWN = 0.25
 # Blocks are looked at so many at a time; the newest wait, for a load change to be noticed that
 # explains them, and at most so many wait for the load to be known. So many before and after a
 # change are not counted: its place is not exact.
@@ -64,15 +70,29 @@ class _Load:
     def of(method):
         """Return what a Method believes now."""
         belief = method.belief()
-        jacobian = products_jacobian_of_message(belief.mean)
         # The torque holds what tare declared zero.
         return _Load(products_from_message(belief.mean) + method.tared,
-                     jacobian @ belief.covariance @ jacobian.T, method.changes,
-                     method.factor)
+                     _of_products(belief), method.changes, method.factor)
+
+    def as_stated(self, method):
+        """Return the same with the covariance it has if the model is as wrong as it states."""
+        return replace(self, covariance=_of_products(method.as_stated()), factor=1.0)
+
+    def known(self, blocks, density, most):
+        """Tell whether the variance of its torque in all blocks is `most` times the stated."""
+        most = most * self.factor
+        return not any((self.variance(block.columns) > most * block.stated(density)).any()
+                       for block in blocks)
 
     def variance(self, columns):
         """Return the variance (..., n) [Nm^2] of the load's torque for columns (..., n, 10)."""
         return np.maximum(np.sum(columns @ self.covariance * columns, axis=-1), 0.0)
+
+
+def _of_products(belief):
+    """Return the covariance (10, 10) of the products of a Belief or a Posterior."""
+    jacobian = products_jacobian_of_message(belief.mean)
+    return jacobian @ belief.covariance @ jacobian.T
 
 
 class _Block:
@@ -194,14 +214,16 @@ class ResidualWatch:
             self._block, self._fresh = None, self._fresh + 1
         if self._fresh >= REVIEW:
             self._fresh = 0
-            self._review(_Load.of(method))
+            self._review(_Load.of(method), method)
 
-    def _review(self, load):
-        """Count the blocks that are settled, with the load as it is believed now."""
+    def _review(self, load, method):
+        """Count the blocks that are settled, with the load as a Method believes it now."""
         newest = list(self._waiting)[-REVIEW:]
-        known = LOAD_KNOWN * load.factor
-        if any((load.variance(block.columns) > known * block.stated(self._density)).any()
-               for block in newest):
+        known = load.known(newest, self._density, LOAD_KNOWN)
+        if not known and method.factor > MISFIT:
+            load = load.as_stated(method)
+            known = load.known(newest, self._density, WELL_KNOWN)
+        if not known:
             return
         before, self._load = self._load, load
         if before is not None and load.changes != before.changes:

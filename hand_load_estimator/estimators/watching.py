@@ -24,6 +24,10 @@ class Watching:
         """The Trust in the torque model, as what is published counts with it now."""
         return self._watcher.trusted
 
+    def as_stated(self):
+        """Return the Posterior of the load were the torque model as wrong as it states."""
+        return self._watcher.as_stated()
+
     @property
     def factor(self):
         """How many times as large the variances of torques are as the model states; at least 1."""

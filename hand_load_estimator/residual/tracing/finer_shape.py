@@ -106,7 +106,7 @@ def finer(candidate, blocks, model, residual, warmed):
 
 
 def _telling(candidate, blocks, residual):
-    """Return Blocks that tell the shape of a candidate's effect: as `blocks`, or with reversals."""
+    """Return Blocks that tell the shape of an effect: as `blocks`, or with reversals."""
     r = residual
     if candidate.gain < PLENTY or not turns(candidate.parts[0][0]):
         return blocks
