@@ -10,33 +10,68 @@ import numpy as np
 # Moments within a sample: five milliseconds apart at the motion filter's rate.
 STEPS = 4
 SHARES = np.arange(1, STEPS + 1) / STEPS
+# A joint has turned around when it is so far [rad] back. Encoders of arms have a noise of up to
+# 3e-5 rad, which would rub away what friction a standing joint holds: where two samples are within
+# NOISE [rad], it has to be that far.
+TURNED, NOISE = 3e-5, 2e-4
 
 
 class MeasuredCourse:
-    """Keep the messages since the last sample: position [rad] and velocity [rad/s], (2, n)."""
+    """
+    Keep the messages since the last sample: position [rad] and velocity [rad/s], (2, n).
 
-    def __init__(self, stamp, motion):
+    without_velocity: then it is what the positions tell.
+    """
+
+    def __init__(self, stamp, motion, without_velocity):
         self._stamps, self._motions = [stamp], [motion]
+        # Between the last message of the sample before and the one before that.
+        self._before = (stamp, np.zeros(motion.shape[1])) if without_velocity else None
 
     def hear(self, stamp, motion):
         """Take the motion (2, n) of a message."""
         self._stamps.append(stamp)
         self._motions.append(motion)
 
-    def sampled(self, without_velocity):
-        """
-        Return the course (2, STEPS, n) from the last sample to the newest message.
-
-        Without a measured velocity it is that of the positions from step to step.
-        """
-        stamps, motions = np.array(self._stamps), np.array(self._motions)
+    def sampled(self):
+        """Return the course (2, STEPS, n) from the last sample to the newest message."""
+        stamps, (q, v) = np.array(self._stamps), np.array(self._motions).swapaxes(0, 1)
         self._stamps, self._motions = self._stamps[-1:], self._motions[-1:]
-        step = (stamps[-1] - stamps[0]) / STEPS
-        at = stamps[0] + (stamps[-1] - stamps[0]) * SHARES
-        after = np.clip(np.searchsorted(stamps, at), 1, len(stamps) - 1)
-        share = (at - stamps[after - 1]) / (stamps[after] - stamps[after - 1])
-        course = motions[after - 1] + share[:, None, None] * (motions[after] - motions[after - 1])
-        course = course.swapaxes(0, 1)
-        if without_velocity:
-            course[1] = np.diff(course[0], axis=0, prepend=motions[:1, 0]) / step
-        return course
+        at, times = stamps[0] + (stamps[-1] - stamps[0]) * SHARES, stamps
+        if self._before:
+            # A difference of positions is the velocity half way between them.
+            times = np.append(self._before[0], 0.5 * (stamps[1:] + stamps[:-1]))
+            v = np.vstack([self._before[1], np.diff(q, axis=0) / np.diff(stamps)[:, None]])
+            self._before = times[-1], v[-1]
+        return np.stack([_on_lines(stamps, q, at), _on_lines(times, v, at)])
+
+
+def _on_lines(times, values, at):
+    """Return values (N, n) of times (N,) at other times, beyond the last on its line."""
+    after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
+    share = (at - times[after - 1]) / (times[after] - times[after - 1])
+    return values[after - 1] + share[:, None] * (values[after] - values[after - 1])
+
+
+class Ways:
+    """
+    The ways of joints from step to step, without what noise turns around.
+
+    q (n,) [rad]: where they begin. Once a joint has turned all of the way back counts.
+    """
+
+    def __init__(self, q):
+        self._at, self._direction, self._before = q, np.zeros_like(q), q[None]
+
+    def along(self, q):
+        """Return the ways (STEPS, n) [rad] along the positions q (STEPS, n) of a sample."""
+        spread, self._before = np.ptp(np.concatenate([self._before, q]), axis=0), q
+        back = np.where(spread > NOISE, TURNED, NOISE)
+        return np.array([self._to(now, back) for now in q])
+
+    def _to(self, q, back):
+        moved = q - self._at
+        counts = (moved * self._direction > 0.0) | (np.abs(moved) > back)
+        self._at = np.where(counts, q, self._at)
+        self._direction = np.where(counts, np.sign(moved), self._direction)
+        return np.where(counts, moved, 0.0)

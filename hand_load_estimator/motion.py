@@ -136,7 +136,7 @@ class MotionFilter:
         # The filter starts as if the first reading had stood for ever, which is exact at rest;
         # samples are fresh while the start may still show in the acceleration.
         self._state = np.repeat(signal.reshape(1, -1), 5, axis=0)
-        self._course = MeasuredCourse(stamp, signal[:2])
+        self._course = MeasuredCourse(stamp, signal[:2], self._without_velocity)
         self._stamp = self._emitted = stamp
         self._started = self._sparse = stamp
         self._acceleration = np.zeros(self._n)
@@ -167,7 +167,7 @@ class MotionFilter:
         self._acceleration = motion[1]
         return MotionSample(stamp, dt, third[0].copy(), *motion, third[2].copy(),
                             self.temperature.copy(), stamp - self._started < _FORGOTTEN, messages,
-                            jerk, self._course.sampled(self._without_velocity))
+                            jerk, self._course.sampled())
 
     def _weighed(self, of_position, of_velocity):
         """Return velocity and acceleration (2, n), by the velocity alone after a wide step."""
@@ -182,7 +182,8 @@ class Motion:
     """
     MotionSamples of one recording stacked: stamp, dt, messages (N,); the others (N, n).
 
-    course (N, 2, STEPS, n) and jerk are None where no filter has smoothed the motion.
+    course (N, 2, STEPS, n) and jerk are None where no filter has smoothed the motion. Whoever
+    replaces q, v or a replaces them as well.
     """
 
     stamp: np.ndarray

@@ -8,7 +8,7 @@ from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.tracing.candidate import single
 from hand_load_estimator.residual.tracing.finer_shape import (best_of_each, finer, search_around,
                                                               searched_again)
-from hand_load_estimator.residual.tracing.hypotheses import hypotheses, released
+from hand_load_estimator.residual.tracing.hypotheses import hypotheses, of_shapes, released
 from hand_load_estimator.residual.tracing.hypothesis import searched as off_default
 from hand_load_estimator.torque.presliding import presliding_path
 
@@ -71,9 +71,12 @@ def test_figures_at_their_defaults_are_released_to_be_searched(peaked):
     plain = candidate.parts[0][0]
     (free,) = released(plain, model, residual, True)
     assert figures(plain) == {'stribeck_velocity'}
-    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range', 'power'}
+    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range'}
     (cold,) = released(plain, model, residual, False)
-    assert figures(cold) == {'stribeck_velocity', 'exponent', 'power'}
+    assert figures(cold) == {'stribeck_velocity', 'exponent'}
+    (own,) = of_shapes(plain, [plain.shape | {'travel': 1e-3}], model, residual)
+    (free,) = released(own, model, residual, True)
+    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range', 'travel', 'power'}
     assert released(free, model, residual, True) == []
 
 

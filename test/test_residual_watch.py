@@ -70,7 +70,7 @@ def test_the_joint_that_has_aged_is_named(model, stream, joint):
 
 
 class Doubting:
-    """A Method that knows no load, because variances of torques are `factor` times the stated."""
+    """A Method that knows no load and is wrong of it, of torques `factor` times as wide."""
 
     def __init__(self, method, factor):
         self._method, self.factor = method, factor
@@ -80,7 +80,7 @@ class Doubting:
 
     def belief(self):
         belief = self._method.belief()
-        return replace(belief, covariance=1e6 * belief.covariance)
+        return replace(belief, mean=belief.mean + 0.5, covariance=1e6 * belief.covariance)
 
 
 @pytest.mark.parametrize('factor, told', [(0.9 * MISFIT, False), (1.1 * MISFIT, True)])

@@ -33,10 +33,11 @@ def contacts(q, v):
 
 @pytest.fixture(scope='module')
 def swing():
-    """Return MotionSamples of a swing whose effort is its friction."""
+    """Return the Motion of a swing of four joints whose efforts are their friction."""
     stamps = np.arange(0.0, 4.0, 0.0002)
     q, v = 0.02 * np.sin(15.0 * stamps)[:, None], 0.3 * np.cos(15.0 * stamps)[:, None]
-    motion, told = MotionFilter(1), (stamps, q, v, contacts(q[:, 0], v[:, 0])[:, None])
+    friction = contacts(q[:, 0], v[:, 0])[:, None]
+    motion, told = MotionFilter(4), (stamps, *(np.tile(each, 4) for each in (q, v, friction)))
     rows = [motion.update(*row) for row in zip(*(column[::10] for column in told))]
     return Motion.of([replace(row, fresh=False) for row in rows if row is not None])
 
@@ -54,6 +55,21 @@ def test_it_is_what_the_filter_makes_of_friction(swing):
     late, size = slice(50, None), np.std(friction)
     assert np.std(shown[late] - friction[late]) < 0.02 * size
     assert np.std(plain[late] - friction[late]) > 0.5 * size
+
+
+def test_columns_and_follower_take_the_motion_as_it_was_measured(swing):
+    late, friction = slice(50, None), swing.effort[:, 0]
+    robot, peak = four_axes(), (TRAVEL, POWER, VELOCITY)
+    x, _ = motion_input(robot, swing, np.full(4, 1e-3))
+    shape = dict(zip(('travel', 'power', 'stribeck_velocity'), peak))
+    left_of_it = []
+    for level in (0.0, 1.0):
+        follower = ModelFollower(model_with(robot, ('stribeck_friction',),
+                                            {'stribeck_friction': (level, 0.0)}, shape))
+        left_of_it.append([follower.update(sample).difference[0] for sample in swing.samples()])
+    online = np.subtract(*left_of_it)
+    for shown in (x.shown(0, *peak), online):
+        assert np.std(shown[late] - friction[late]) < 0.02 * np.std(friction[late])
 
 
 def test_a_peak_that_comes_back_has_to_bend_the_contacts_again():

@@ -13,7 +13,8 @@ class Calibrated:
 
     What of load changes, contacts and torques that do not fit it says is the other's, and a
     checkpoint of either serves both; what is determined, whether a mass is possible and how far
-    the residual watch trusts the load follow the deviations stated here.
+    the residual watch trusts the load (while the model explains the torques) follow the deviations
+    stated here.
 
     method: as built for a TorqueModel, before any data. intervals: in words, which.
     """

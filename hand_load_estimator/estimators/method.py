@@ -69,7 +69,7 @@ class Method(Protocol):
     def belief(self) -> Belief:
         """Return the present belief; the prior before any data."""
 
-    def as_stated(self) -> Posterior:
+    def posterior_as_stated(self) -> Posterior:
         """Return the posterior of the load were the torque model as wrong as it states."""
 
     def forget(self):

@@ -241,7 +241,7 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self.posterior.shape, doubt, self._tare,
                             self.trust.now)
 
-    def as_stated(self):
+    def posterior_as_stated(self):
         """Return the Posterior of all data so far were the torque model as wrong as it states."""
         return posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
                             self._tare)

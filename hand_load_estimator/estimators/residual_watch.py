@@ -10,7 +10,7 @@ and sensitive, where MismatchWatch is quick and coarse.
 """
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -70,13 +70,17 @@ class _Load:
     def of(method):
         """Return what a Method believes now."""
         belief = method.belief()
+        jacobian = products_jacobian_of_message(belief.mean)
         # The torque holds what tare declared zero.
         return _Load(products_from_message(belief.mean) + method.tared,
-                     _of_products(belief), method.changes, method.factor)
+                     jacobian @ belief.covariance @ jacobian.T, method.changes, method.factor)
 
-    def as_stated(self, method):
-        """Return the same with the covariance it has if the model is as wrong as it states."""
-        return replace(self, covariance=_of_products(method.as_stated()), factor=1.0)
+    @staticmethod
+    def as_stated(method):
+        """Return what a Method believes were the model only as wrong as it states."""
+        posterior = method.posterior_as_stated()
+        return _Load(posterior.products + method.tared, posterior.products_covariance,
+                     method.changes, 1.0)
 
     def known(self, blocks, density, most):
         """Tell whether the variance of its torque in all blocks is `most` times the stated."""
@@ -87,12 +91,6 @@ class _Load:
     def variance(self, columns):
         """Return the variance (..., n) [Nm^2] of the load's torque for columns (..., n, 10)."""
         return np.maximum(np.sum(columns @ self.covariance * columns, axis=-1), 0.0)
-
-
-def _of_products(belief):
-    """Return the covariance (10, 10) of the products of a Belief or a Posterior."""
-    jacobian = products_jacobian_of_message(belief.mean)
-    return jacobian @ belief.covariance @ jacobian.T
 
 
 class _Block:
@@ -221,7 +219,7 @@ class ResidualWatch:
         newest = list(self._waiting)[-REVIEW:]
         known = load.known(newest, self._density, LOAD_KNOWN)
         if not known and method.factor > MISFIT:
-            load = load.as_stated(method)
+            load = _Load.as_stated(method)
             known = load.known(newest, self._density, WELL_KNOWN)
         if not known:
             return

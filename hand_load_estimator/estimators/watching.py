@@ -24,9 +24,9 @@ class Watching:
         """The Trust in the torque model, as what is published counts with it now."""
         return self._watcher.trusted
 
-    def as_stated(self):
+    def posterior_as_stated(self):
         """Return the Posterior of the load were the torque model as wrong as it states."""
-        return self._watcher.as_stated()
+        return self._watcher.posterior_as_stated()
 
     @property
     def factor(self):

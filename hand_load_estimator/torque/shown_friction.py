@@ -15,11 +15,11 @@ from itertools import repeat
 
 import numpy as np
 
-from ..course import SHARES, STEPS
+from ..course import SHARES, STEPS, Ways
 from ..effects.stribeck_curve import left
 from ..motion import BANDWIDTH, filter_step
 from .lock_step import lock_step
-from .presliding import beyond_noise, Turning, ways_along
+from .presliding import Turning
 
 # Times between samples are rounded to this [s], so that jitter makes no end of filters.
 ROUNDED = 1e-4
@@ -134,16 +134,14 @@ class ShownFriction:
     def __init__(self, joints, travels, powers, *peak):
         self._joints, self._peak = np.asarray(joints, dtype=int), peak
         self._contacts = _Contacts(travels, powers)
-        self._anchor, self._stages = None, np.zeros((3, len(self._joints)))
+        self._ways, self._stages = None, np.zeros((3, len(self._joints)))
 
     def update(self, course, dt, warmth):
         """Return friction (K,) after a course (2, STEPS, n) of dt [s]; warmth (n,) [K]."""
         q, v = course[:, :, self._joints]
-        if self._anchor is None:
-            self._anchor, self._speed = q[0], v[0]
-        moved, contacts = np.empty_like(q), self._contacts
-        for k, now in enumerate(q):
-            moved[k], self._anchor = beyond_noise(now, self._anchor)
+        if self._ways is None:
+            self._ways, self._speed = Ways(q[0]), v[0]
+        moved, contacts = self._ways.along(q), self._contacts
         speeds, self._speed = np.vstack([self._speed, v]), v[-1]
         levels = left(speeds, warmth[self._joints], *self._peak) if self._peak else None
         self._stages = _filtered(self._stages, contacts.bend(*contacts.ways(moved, levels)), dt)
@@ -198,9 +196,10 @@ class ShownAlong:
         out = []
         for course, warmth, dt in self.parts:
             q, v = course.swapaxes(0, 1)
-            ways = ways_along(q.reshape(-1, q.shape[2])).reshape(q.shape)
+            ways = Ways(q[0, 0])
+            moved = np.array([ways.along(own) for own in q])
             before = np.concatenate([v[:1, :1], v[:-1, -1:]])
-            out.append((ways, np.hstack([before, v]), warmth[:, None], dt[:, None]))
+            out.append((moved, np.hstack([before, v]), warmth[:, None], dt[:, None]))
         return out
 
     @staticmethod

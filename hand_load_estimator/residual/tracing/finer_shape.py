@@ -83,7 +83,8 @@ def finer(candidate, blocks, model, residual, warmed):
 
     blocks: Blocks with everything else that was found; warmed: joints whose temperature changed.
     How friction turns shows in reversals, which all other comparisons leave out. Its form and the
-    way it turns make up for one another: the one is asked again with the other.
+    way it turns make up for one another: the one is asked again with the other, and in the end all
+    figures are searched together.
     """
     plain, r = candidate.parts[0][0], residual
     forms = [lambda here: other_forms(here, model, r, plain.joint in warmed)] \

@@ -245,9 +245,12 @@ def released(hypothesis, model, residual, warmed):
     figures = {**FORMS.get(hypothesis.name, {}), POWER.name: PRESLIDING_POWERS}
     if not warmed:
         figures.pop(VELOCITY_RANGE.name, None)
+    if not np.isfinite(hypothesis.shape.get(OWN_TRAVEL.name, 0.0)):
+        # Of a travel that is not there.
+        figures.pop(POWER.name)
     free = {name: _a_little_off(*values[:2]) for name, values in figures.items()
             if hypothesis.shape.get(name) == values[0]}
-    return of_shapes(hypothesis, [{**hypothesis.shape, **free}], model, residual) if free else []
+    return of_shapes(hypothesis, [hypothesis.shape | free], model, residual) if free else []
 
 
 def _a_little_off(default, other):
@@ -266,7 +269,9 @@ def other_ways(hypothesis, model, residual):
         powers = PRESLIDING_POWERS if 'power' in hypothesis.shape else (np.inf,)
         ways = [{name: value for name, value in (('travel', travel), ('power', power))
                  if name in hypothesis.shape} for travel, power in product(OWN_TRAVELS, powers)]
-    return of_shapes(hypothesis, [{**hypothesis.shape, **way} for way in ways], model, residual)
+    bounded = EFFECTS[hypothesis.name].bounded
+    return of_shapes(hypothesis, [bounded(hypothesis.shape | way) for way in ways], model,
+                     residual)
 
 
 def _of_link(residual, j, std):
