@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .information import Posterior, Trust
+from .information import Trust
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ class Method(Protocol):
     def belief(self) -> Belief:
         """Return the present belief; the prior before any data."""
 
-    def posterior_as_stated(self) -> Posterior:
-        """Return the posterior of the load were the torque model as wrong as it states."""
+    def load_as_stated(self):
+        """Return products (10,) and covariance (10, 10) as of LoadRegression.load_as_stated."""
 
     def forget(self):
         """Forget the load, and how well the model foretold its torques."""

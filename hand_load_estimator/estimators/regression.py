@@ -241,10 +241,15 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self.posterior.shape, doubt, self._tare,
                             self.trust.now)
 
-    def posterior_as_stated(self):
-        """Return the Posterior of all data so far were the torque model as wrong as it states."""
-        return posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
-                            self._tare)
+    def load_as_stated(self):
+        """
+        Return the products (10,) that are believed, and their covariance (10, 10) as stated.
+
+        That is how well they were known if the torque model were no more wrong than it states.
+        """
+        stated = posterior_of(self._total, self._prior, self.posterior.shape, self._gain_doubt,
+                              self._tare)
+        return self.widened().products, stated.products_covariance
 
     def _solve(self):
         self._total = self._recent.total()

@@ -77,10 +77,9 @@ class _Load:
 
     @staticmethod
     def as_stated(method):
-        """Return what a Method believes were the model only as wrong as it states."""
-        posterior = method.posterior_as_stated()
-        return _Load(posterior.products + method.tared, posterior.products_covariance,
-                     method.changes, 1.0)
+        """Return the same by the regression beside a Method, as well known as its model states."""
+        products, covariance = method.load_as_stated()
+        return _Load(products + method.tared, covariance, method.changes, 1.0)
 
     def known(self, blocks, density, most):
         """Tell whether the variance of its torque in all blocks is `most` times the stated."""

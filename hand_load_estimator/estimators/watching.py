@@ -24,9 +24,9 @@ class Watching:
         """The Trust in the torque model, as what is published counts with it now."""
         return self._watcher.trusted
 
-    def posterior_as_stated(self):
-        """Return the Posterior of the load were the torque model as wrong as it states."""
-        return self._watcher.posterior_as_stated()
+    def load_as_stated(self):
+        """Return products (10,) and covariance (10, 10) as of LoadRegression.load_as_stated."""
+        return self._watcher.load_as_stated()
 
     @property
     def factor(self):
