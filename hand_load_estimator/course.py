@@ -35,22 +35,26 @@ class MeasuredCourse:
 
     def sampled(self):
         """Return the course (2, STEPS, n) from the last sample to the newest message."""
-        stamps, (q, v) = np.array(self._stamps), np.array(self._motions).swapaxes(0, 1)
-        self._stamps, self._motions = self._stamps[-1:], self._motions[-1:]
-        at, times = stamps[0] + (stamps[-1] - stamps[0]) * SHARES, stamps
-        if self._before:
-            # A difference of positions is the velocity half way between them.
-            times = np.append(self._before[0], 0.5 * (stamps[1:] + stamps[:-1]))
-            v = np.vstack([self._before[1], np.diff(q, axis=0) / np.diff(stamps)[:, None]])
-            self._before = times[-1], v[-1]
+        stamps, motions = np.array(self._stamps), np.array(self._motions)
+        del self._stamps[:-1], self._motions[:-1]
+        at = stamps[0] + (stamps[-1] - stamps[0]) * SHARES
+        if self._before is None:
+            both = _on_lines(stamps, motions.reshape(len(stamps), -1), at)
+            return both.reshape(STEPS, 2, -1).swapaxes(0, 1)
+        # A difference of positions is the velocity half way between them.
+        q, times = motions[:, 0], np.append(self._before[0], 0.5 * (stamps[1:] + stamps[:-1]))
+        v = np.vstack([self._before[1], np.diff(q, axis=0) / np.diff(stamps)[:, None]])
+        self._before = times[-1], v[-1]
         return np.stack([_on_lines(stamps, q, at), _on_lines(times, v, at)])
 
 
 def _on_lines(times, values, at):
-    """Return values (N, n) of times (N,) at other times, beyond the last on its line."""
-    after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
-    share = (at - times[after - 1]) / (times[after] - times[after - 1])
-    return values[after - 1] + share[:, None] * (values[after] - values[after - 1])
+    """Return values (N, n) of times (N,) at later times, beyond the last on its line."""
+    after = times[1:-1].searchsorted(at) + 1
+    before = after - 1
+    since, was = times[before], values[before]
+    share = (at - since) / (times[after] - since)
+    return was + share[:, None] * (values[after] - was)
 
 
 class Ways:
