@@ -110,6 +110,17 @@ def test_nothing_of_the_old_load_is_left_in_the_new_ones_estimate(before, after,
     assert late[-1].std[0] < 0.1
 
 
+def test_what_slips_weighs_what_it_weighed():
+    """Before motion tells anything of the new place, the load before is the best guess."""
+    slipped = replace(block(6.0), com=block(6.0).com + [0.05, 0.0, 0.0])
+    estimates, pipeline = run(block(6.0), slipped, at=3.0)
+    assert pipeline.load_id == 1
+    after = [e for e in estimates if e.load_id == 1]
+    assert max(abs(e.mean[0] - 6.0) for e in after) < 0.2
+    assert after[0].std[0] > 2.0, 'it may be any other as well'
+    np.testing.assert_allclose(after[-1].mean[1:4], slipped.com, atol=3e-3)
+
+
 def information(rng, load, count, extra=0):
     robot, out = ur10e(), Information(6, extra)
     for _ in range(count):
@@ -306,3 +317,18 @@ def test_what_is_taken_back_holds_nothing_of_the_other_load(weight):
     assert regression.changed_pieces * PIECE == pytest.approx(seen - begun + PIECE, abs=PIECE)
     assert regression.take_back(seen)
     assert abs(regression.posterior.mean[0] - before) < 1e-5
+    assert regression.state()['prior_mean'][0] == load_prior(ur10e()).mean[0]
+
+
+def test_what_is_expected_of_another_load_survives_a_restart():
+    """An arm that was gripping when the node was killed."""
+    rng, regression = np.random.default_rng(6), LoadRegression(load_prior(ur10e()), 6, 18)
+    for stamp in np.arange(0.0, 2.0, 0.02):
+        columns = rng.normal(size=(6, 28))
+        regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
+                       columns[:, :10] @ block(2.0).to_products(), np.full(6, 100.0))
+    regression.begin_anew(2.0)
+    again = LoadRegression(load_prior(ur10e()), 6, 18)
+    again.restore(regression.state())
+    assert abs(again.posterior.mean[0] - 2.0) < 0.1
+    np.testing.assert_allclose(again.posterior.covariance, regression.posterior.covariance)

@@ -30,6 +30,22 @@ class LoadPrior:
         jacobian = products_jacobian_of_shape(self.mean)
         return products_from_shape(self.mean), jacobian @ np.diag(self.std ** 2) @ jacobian.T
 
+    def after(self, shape, variance):
+        """
+        Return the LoadPrior once another load seems to be held than one of a shape (10,).
+
+        variance (10,): how well that was known. What seems to be another load may be the same, or
+        the same elsewhere in the hand: it is centred there, as far as that was known. Its own
+        variance is the mean square by which a load of this prior differs from its centre.
+        """
+        if shape[0] <= 0.0:
+            return self
+        known = np.maximum(1.0 - variance / self.std ** 2, 0.0)
+        # A load without a place is an empty hand, of which nothing is left in what comes.
+        known[0] *= known[1:4].max()
+        away = known * (shape - self.mean)
+        return LoadPrior(self.mean + away, np.hypot(self.std, away))
+
 
 def load_prior(robot):
     """Return the LoadPrior of a robot: from nothing to its rated load, around its rated place."""

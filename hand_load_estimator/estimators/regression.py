@@ -8,6 +8,7 @@ from ..torque_model import DRIFTS
 from .change import change_covariance, EVIDENCE, LONG, RecentData, slip_covariance
 from .change_windows import ChangeWindows, Older
 from .information import gain_covariance, Information, posterior_of, share_less_tare, Trust
+from .load_prior import LoadPrior
 from .method import Belief, checked
 from .model_trust import ModelTrust
 
@@ -49,7 +50,8 @@ class LoadRegression:
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, doubt_elsewhere=False,
                  load_share=1.0, trust=None):
-        self._prior, self._gain_doubt, self._watch = prior, gain_doubt, trust is None
+        self._prior = self._any_load = prior
+        self._gain_doubt, self._watch = gain_doubt, trust is None
         self._counted_doubt = 0.0 if doubt_elsewhere else gain_doubt
         # Only the doubt about torque constants asks for each joint's part.
         size = n if gain_doubt > 0.0 else 0, nuisances
@@ -164,13 +166,13 @@ class LoadRegression:
         """Forget the load, and what was found of the model's agreement."""
         if self._watch:
             self.trust.clear()
-        self._forget_data()
+        self._forget_data(self._any_load)
 
-    def _forget_data(self):
+    def _forget_data(self, prior):
         self._before = None
         self._recent.clear()
         self._forget_windows()
-        self._start = self._prior.mean
+        self._prior, self._start = prior, prior.mean
         self.posterior = self._solve()
 
     @property
@@ -187,13 +189,14 @@ class LoadRegression:
         self._tare = held.products_covariance
         if self._watch:
             self.trust.restart(self._tare)
-        self._forget_data()
+        self._forget_data(self._any_load)
 
     def state(self):
         """Return {name: array}: what restore() goes on from."""
         total = self._recent.total()
         return {'matrix': total.matrix, 'vector': total.vector, 'by_joint': total.by_joint,
-                'start': self._start, 'zero': self._zero,
+                'start': self._start, 'zero': self._zero, 'prior_mean': self._prior.mean,
+                'prior_std': self._prior.std,
                 'tare': np.zeros((10, 10)) if self._tare is None else self._tare,
                 **{f'trust_{name}': value for name, value in self.trust.state().items()}}
 
@@ -206,7 +209,8 @@ class LoadRegression:
         """
         n, size = self._recent.size
         shapes = {'matrix': (10 + size, 10 + size), 'vector': (10 + size,),
-                  'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10)}
+                  'by_joint': (n, 10 + size, 10), 'start': (10,), 'zero': (10,), 'tare': (10, 10),
+                  'prior_mean': (10,), 'prior_std': (10,)}
         shapes |= {f'trust_{name}': np.shape(value)
                    for name, value in self.trust.state().items()}
         state = checked(state, shapes)
@@ -217,6 +221,7 @@ class LoadRegression:
         self._recent.begin_with(total.without_last(drifts, Trust(np.diag(precision))))
         self._forget_windows()
         self._start, self._zero = state['start'], state['zero']
+        self._prior = LoadPrior(state['prior_mean'], state['prior_std'])
         self._tare = state['tare'] if state['tare'].any() else None
         if self._watch:
             kept = np.arange(size) < size - drifts
@@ -263,12 +268,14 @@ class LoadRegression:
         pieces: how many of the newest are no data of the old load, should it come back.
         """
         older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
-        start = self._start
+        start, prior = self._start, self._prior
+        stated = replace(self.trust.now, factor=1.0)
+        held = posterior_of(older, prior, start, tare=self._tare, trust=stated)
         if self._watch:
             self.older_belief = self._older_belief(older)
             self.trust.begin_anew(pieces)
-        self._forget_data()
-        self._before = older, start, trust
+        self._forget_data(self._any_load.after(held.shape, held.shape_covariance.diagonal()))
+        self._before = older, start, prior, trust
         self.changes += 1
         self._change_before = -np.inf if self.last_change is None else self.last_change
         self.last_change, self.changed_pieces = stamp, pieces
@@ -289,7 +296,7 @@ class LoadRegression:
         if surely and (not self.trust.as_stated_before()
                        or 0.0 <= self.last_change - self._change_before < NOT_TWICE):
             return False
-        older, self._start, trust = self._before
+        older, self._start, self._prior, trust = self._before
         self._before, self._returned = None, stamp
         self._recent.begin_with(older)
         if self._watch:
