@@ -94,7 +94,7 @@ def test_a_small_change_while_standing_is_found_when_the_arm_moves():
 
 @pytest.mark.parametrize('at', [3.0, 3.05, 3.2])
 @pytest.mark.parametrize('before, after', [(0.0, 0.5), (2.0, 2.5), (2.0, 6.0)])
-def test_nothing_of_the_old_load_is_left_in_the_new_ones_estimate(before, after, at):
+def test_no_data_of_the_old_load_is_left_in_the_new_ones_estimate(before, after, at):
     """
     Once a change is noticed, the interval must hold the new load and not a mixture.
 
@@ -317,18 +317,47 @@ def test_what_is_taken_back_holds_nothing_of_the_other_load(weight):
     assert regression.changed_pieces * PIECE == pytest.approx(seen - begun + PIECE, abs=PIECE)
     assert regression.take_back(seen)
     assert abs(regression.posterior.mean[0] - before) < 1e-5
-    assert regression.state()['prior_mean'][0] == load_prior(ur10e()).mean[0]
+    assert regression.expected.mean[0] == load_prior(ur10e()).mean[0]
 
 
-def test_what_is_expected_of_another_load_survives_a_restart():
-    """An arm that was gripping when the node was killed."""
+@pytest.fixture
+def changed():
+    """Return a LoadRegression that has seen three kilograms become six, at full evidence."""
     rng, regression = np.random.default_rng(6), LoadRegression(load_prior(ur10e()), 6, 18)
-    for stamp in np.arange(0.0, 2.0, 0.02):
+    for stamp in np.arange(0.0, 4.0, 0.02):
+        products = block(3.0 if stamp < 2.0 else 6.0).to_products()
         columns = rng.normal(size=(6, 28))
         regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
-                       columns[:, :10] @ block(2.0).to_products(), np.full(6, 100.0))
-    regression.begin_anew(2.0)
+                       columns[:, :10] @ products, np.full(6, 100.0))
+        regression.look_for_change()
+        if regression.changes:
+            return regression
+    raise AssertionError('six kilograms were not seen')
+
+
+def test_another_load_is_expected_around_the_one_before(changed):
+    first, expected = load_prior(ur10e()), changed.expected
+    np.testing.assert_allclose(expected.mean[:4], [3.0, *block(3.0).com], atol=0.02)
+    np.testing.assert_allclose(expected.std, np.hypot(first.std, expected.mean - first.mean))
+    assert changed.update_posterior().mean[0] == pytest.approx(expected.mean[0])
+    # Of no third one it is known that the second was expected somewhere.
+    changed.begin_anew(3.0, 0)
+    np.testing.assert_allclose(changed.expected.std, np.hypot(
+        first.std, changed.expected.mean - first.mean))
+
+
+def test_what_is_expected_of_another_load_survives_a_restart(changed):
+    """An arm that was gripping when the node was killed."""
     again = LoadRegression(load_prior(ur10e()), 6, 18)
-    again.restore(regression.state())
-    assert abs(again.posterior.mean[0] - 2.0) < 0.1
-    np.testing.assert_allclose(again.posterior.covariance, regression.posterior.covariance)
+    again.restore(changed.state())
+    np.testing.assert_array_equal(again.expected.mean, changed.expected.mean)
+    np.testing.assert_array_equal(again.expected.std, changed.expected.std)
+    assert abs(again.posterior.mean[0] - 3.0) < 0.1
+
+
+@pytest.mark.parametrize('end', [LoadRegression.forget, LoadRegression.tare])
+def test_who_forgets_the_load_expects_any(changed, end):
+    end(changed)
+    first = load_prior(ur10e())
+    np.testing.assert_array_equal(changed.expected.mean, first.mean)
+    np.testing.assert_array_equal(changed.expected.std, first.std)

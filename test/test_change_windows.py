@@ -78,7 +78,8 @@ class Watched:
 
     def older_of(self, older):
         precision = older.matrix + np.eye(28)
-        return Older(np.linalg.solve(precision, older.vector), precision, np.zeros((10, 10)))
+        return Older(np.linalg.solve(precision, older.vector), precision, np.zeros((10, 10)),
+                     None)
 
 
 @pytest.mark.parametrize('foretold', [True, False])

@@ -217,7 +217,7 @@ class Watched:
         self._rng, prior = np.random.default_rng(2), load_prior(model.robot)
         self.watch = PushWatch(model.robot, prior, change_covariance(prior), 0)
         self._held = block(MASS).to_products()
-        self.watch.begin(Older(self._held, np.diag(np.full(10, 1e6)), np.zeros((10, 10))),
+        self.watch.begin(Older(self._held, np.diag(np.full(10, 1e6)), np.zeros((10, 10)), None),
                          EVIDENCE, longest)
 
     def take(self, seconds, wrench=(0, 0, 0, 0, 0, 0), more=None):

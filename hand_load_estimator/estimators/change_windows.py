@@ -6,6 +6,7 @@ import numpy as np
 
 from .change import (BRIEF, FORETOLD, log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT,
                      strongest_joint)
+from .information import Posterior
 
 
 @dataclass(frozen=True)
@@ -13,12 +14,14 @@ class Older:
     """
     What data older than a window say.
 
-    mean (d,), precision (d, d) of load and nuisances; slip (10, 10): slip_covariance.
+    mean (d,), precision (d, d) of load and nuisances; slip (10, 10): slip_covariance; load: the
+    Posterior of the load, as the model states.
     """
 
     mean: np.ndarray
     precision: np.ndarray
     slip: np.ndarray
+    load: Posterior
 
 
 class ChangeWindows:

@@ -17,7 +17,7 @@ from safetensors.numpy import load, save
 
 from ..errors import HandLoadError
 
-SCHEMA = 'hand_load/checkpoint/2'
+SCHEMA = 'hand_load/checkpoint/3'
 _KIND = SCHEMA.rstrip('0123456789').encode()
 # A file from the future by more than this [s] was written by another clock: its age is unknown.
 CLOCK_STEP = 60.0

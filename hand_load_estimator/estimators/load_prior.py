@@ -1,4 +1,4 @@
-"""What a hand may hold before any data: a wide prior in shape parameters (load.py)."""
+"""What a hand may hold before data tell: a wide prior in shape parameters (load.py)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,16 +34,15 @@ class LoadPrior:
         """
         Return the LoadPrior once another load seems to be held than one of a shape (10,).
 
-        variance (10,): how well that was known. What seems to be another load may be the same, or
-        the same elsewhere in the hand: it is centred there, as far as that was known. Its own
-        variance is the mean square by which a load of this prior differs from its centre.
+        shape, variance (10,): the posterior's. What seems to be another load may be the same, or
+        the same elsewhere in the hand: it is centred there. Its variance is the mean square by
+        which a load of this prior differs from that.
         """
         if shape[0] <= 0.0:
             return self
-        known = np.maximum(1.0 - variance / self.std ** 2, 0.0)
+        away = shape - self.mean
         # A load without a place is an empty hand, of which nothing is left in what comes.
-        known[0] *= known[1:4].max()
-        away = known * (shape - self.mean)
+        away[0] *= np.maximum(1.0 - (variance / self.std ** 2)[1:4], 0.0).max()
         return LoadPrior(self.mean + away, np.hypot(self.std, away))
 
 

@@ -153,7 +153,8 @@ class Lstm(Watching):
 
     def _after_change(self):
         """Follow the plain regression, which has begun anew."""
-        self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces)
+        self._learned.begin_anew(self._plain.last_change, self._plain.changed_pieces,
+                                 self._plain.expected)
         self._restart()
         self._contacts.changed()
 

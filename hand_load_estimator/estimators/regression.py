@@ -50,7 +50,7 @@ class LoadRegression:
 
     def __init__(self, prior, n, nuisances, gain_doubt=0.0, doubt_elsewhere=False,
                  load_share=1.0, trust=None):
-        self._prior = self._any_load = prior
+        self._prior = self._first_prior = prior
         self._gain_doubt, self._watch = gain_doubt, trust is None
         self._counted_doubt = 0.0 if doubt_elsewhere else gain_doubt
         # Only the doubt about torque constants asks for each joint's part.
@@ -166,7 +166,7 @@ class LoadRegression:
         """Forget the load, and what was found of the model's agreement."""
         if self._watch:
             self.trust.clear()
-        self._forget_data(self._any_load)
+        self._forget_data(self._first_prior)
 
     def _forget_data(self, prior):
         self._before = None
@@ -174,6 +174,11 @@ class LoadRegression:
         self._forget_windows()
         self._prior, self._start = prior, prior.mean
         self.posterior = self._solve()
+
+    @property
+    def expected(self):
+        """LoadPrior of what is held, before the data of it."""
+        return self._prior
 
     @property
     def tared(self):
@@ -189,7 +194,7 @@ class LoadRegression:
         self._tare = held.products_covariance
         if self._watch:
             self.trust.restart(self._tare)
-        self._forget_data(self._any_load)
+        self._forget_data(self._first_prior)
 
     def state(self):
         """Return {name: array}: what restore() goes on from."""
@@ -261,20 +266,21 @@ class LoadRegression:
         return posterior_of(self._total, self._prior, self._start, self._counted_doubt,
                             self._tare, replace(self.trust.now, factor=1.0))
 
-    def begin_anew(self, stamp, pieces=AT_REST):
+    def begin_anew(self, stamp, pieces=AT_REST, expected=None):
         """
-        Forget the load because another is held since about `stamp` [s].
+        Forget the data of the load because another is held since about `stamp` [s].
 
-        pieces: how many of the newest are no data of the old load, should it come back.
+        pieces: how many of the newest are no data of the old load, should it come back. expected:
+        LoadPrior of the other load, None for any; where this looks itself it tells by the old one.
         """
         older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
         start, prior = self._start, self._prior
-        stated = replace(self.trust.now, factor=1.0)
-        held = posterior_of(older, prior, start, tare=self._tare, trust=stated)
         if self._watch:
             self.older_belief = self._older_belief(older)
+            held = self.older_belief.load
+            expected = self._first_prior.after(held.shape, held.shape_covariance.diagonal())
             self.trust.begin_anew(pieces)
-        self._forget_data(self._any_load.after(held.shape, held.shape_covariance.diagonal()))
+        self._forget_data(expected or self._first_prior)
         self._before = older, start, prior, trust
         self.changes += 1
         self._change_before = -np.inf if self.last_change is None else self.last_change
@@ -341,4 +347,4 @@ class LoadRegression:
         precision[10:, 10:] += trust.precision
         mean = np.concatenate([posterior.products,
                                older.nuisance_given(posterior.products, trust)])
-        return Older(mean, precision, slip_covariance(posterior.shape))
+        return Older(mean, precision, slip_covariance(posterior.shape), posterior)
