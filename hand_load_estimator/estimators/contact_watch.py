@@ -7,8 +7,8 @@ watch then compares both, and the method goes back to the load before (LoadRegre
 
 from .contact_gate import ContactGate
 from .load_prior import load_prior
+from .old_load import TAKEN_BACK
 from .push_watch import PushWatch
-from .regression import TAKEN_BACK
 from .rest_watch import ANOTHER_LOAD, NOTHING, RestWatch
 
 

@@ -11,17 +11,12 @@ from .information import gain_covariance, Information, posterior_of, share_less_
 from .load_prior import LoadPrior
 from .method import Belief, checked
 from .model_trust import ModelTrust
+from .old_load import OldLoad, OldLoads
 
 # Data older than this much motion [s] fade: friction drifts as joints warm.
 MEMORY = 120.0
 # Faster than this [rad/s] a joint tells something.
 MOVING = 0.02
-# A change is taken back when it turns out within so long [s] to have been a contact, and not twice
-# within so long.
-TAKEN_BACK, NOT_TWICE = 1.5, 5.0
-# Nor, where a push was told, within so long [s]: longer than a contact is kept out, or one that
-# does not end would never be let through.
-NO_OTHER_PUSH = 15.0
 # For so long [s] after a change was seen the motion filter still shows the load before it: seen it
 # is 0.03 s late at the earliest, and 0.08 s after it 1.4 % are left.
 SETTLING = 0.05
@@ -62,13 +57,12 @@ class LoadRegression:
         self._recent = RecentData(*size, MEMORY)
         self._start, self._tare, self._zero = prior.mean, None, np.zeros(10)
         self.changes, self.last_change, self.changed_pieces = 0, None, AT_REST
-        self.older_belief, self._change_before = None, -np.inf
+        self.older_belief, self._old = None, OldLoads()
         self._ended, self._dropped = -np.inf, -np.inf
         self.change = change_covariance(prior)
         self._change_precision = np.linalg.inv(self.change)
         self._windows = ChangeWindows(self.change, self._recent, n)
         self._unchecked = None
-        self._before, self._returned = None, -np.inf
         self.posterior = self._solve()
 
     def add(self, sample, columns, difference, weights):
@@ -169,7 +163,7 @@ class LoadRegression:
         self._forget_data(self._first_prior)
 
     def _forget_data(self, prior):
-        self._before = None
+        self._old.forget()
         self._recent.clear()
         self._forget_windows()
         self._prior, self._start = prior, prior.mean
@@ -274,39 +268,31 @@ class LoadRegression:
         LoadPrior of the other load, None for any; where this looks itself it tells by the old one.
         """
         older, trust = self._recent.without_newest(pieces), self.trust.state_before(pieces)
-        start, prior = self._start, self._prior
+        old = OldLoad(older, self._start, self._prior, trust)
         if self._watch:
             self.older_belief = self._older_belief(older)
             held = self.older_belief.load
             expected = self._first_prior.after(held.shape, held.shape_covariance.diagonal())
             self.trust.begin_anew(pieces)
         self._forget_data(expected or self._first_prior)
-        self._before = older, start, prior, trust
+        self._old.keep(stamp, old)
         self.changes += 1
-        self._change_before = -np.inf if self.last_change is None else self.last_change
         self.last_change, self.changed_pieces = stamp, pieces
 
     def take_back(self, stamp, surely=False):
         """
         Return to the load before the newest change, if that was just now; tell whether.
 
-        What looked like another load has turned out to be a contact, surely so or not. A load that
-        was taken back just before and comes again is let be; where it is sure, so is one that
-        comes soon after any change, whose load the model may misread, and any by a model that has
-        not foretold torques as it states: what ails an arm looks like pushes, too.
+        What looked like another load has turned out to be a contact, surely so or not.
         """
-        if self._before is None or not 0.0 <= stamp - self.last_change < TAKEN_BACK:
+        # A model that has not foretold torques as it states ails.
+        old = self._old.back(stamp, surely, surely and not self.trust.as_stated_before())
+        if old is None:
             return False
-        if 0.0 <= self.last_change - self._returned < (NO_OTHER_PUSH if surely else NOT_TWICE):
-            return False
-        if surely and (not self.trust.as_stated_before()
-                       or 0.0 <= self.last_change - self._change_before < NOT_TWICE):
-            return False
-        older, self._start, self._prior, trust = self._before
-        self._before, self._returned = None, stamp
-        self._recent.begin_with(older)
+        self._start, self._prior = old.start, old.expected
+        self._recent.begin_with(old.data)
         if self._watch:
-            self.trust.resume(**trust)
+            self.trust.resume(**old.trust)
         self._forget_windows()
         self.changes += 1
         self.last_change = stamp
