@@ -10,6 +10,9 @@ from ..load import products_from_shape, products_jacobian_of_shape
 # Radii of gyration squared [m^2] of what a rated load of 10 kg looks like: 0.05 to 0.4 m across.
 GYRATION_MEAN, GYRATION_STD, GYRATION_CROSS_STD = 0.007, 0.006, 0.002
 COM_STD = 0.08
+# Of an empty hand nothing is left in what comes. Nor may the centre weigh next to nothing: moments
+# are products with the mass, and what they may be would be linearised away.
+LIGHT = 0.5
 
 
 @dataclass(frozen=True)
@@ -30,19 +33,16 @@ class LoadPrior:
         jacobian = products_jacobian_of_shape(self.mean)
         return products_from_shape(self.mean), jacobian @ np.diag(self.std ** 2) @ jacobian.T
 
-    def after(self, shape, variance):
+    def after(self, shape):
         """
         Return the LoadPrior once another load seems to be held than one of a shape (10,).
 
-        shape, variance (10,): the posterior's. What seems to be another load may be the same, or
-        the same elsewhere in the hand: it is centred there. Its variance is the mean square by
-        which a load of this prior differs from that.
+        What seems to be another load may be the same, or the same elsewhere in the hand: it is
+        centred there, less so the less that weighs beside LIGHT times this prior's mass. Its
+        variance is the mean square by which a load of this prior differs from the centre.
         """
-        if shape[0] <= 0.0:
-            return self
-        away = shape - self.mean
-        # A load without a place is an empty hand, of which nothing is left in what comes.
-        away[0] *= np.maximum(1.0 - (variance / self.std ** 2)[1:4], 0.0).max()
+        share = np.clip(shape[0] / (LIGHT * self.mean[0]), 0.0, 1.0)
+        away = share * (shape - self.mean)
         return LoadPrior(self.mean + away, np.hypot(self.std, away))
 
 

@@ -271,8 +271,7 @@ class LoadRegression:
         old = OldLoad(older, self._start, self._prior, trust)
         if self._watch:
             self.older_belief = self._older_belief(older)
-            held = self.older_belief.load
-            expected = self._first_prior.after(held.shape, held.shape_covariance.diagonal())
+            expected = self._first_prior.after(self.older_belief.load.shape)
             self.trust.begin_anew(pieces)
         self._forget_data(expected or self._first_prior)
         self._old.keep(stamp, old)
