@@ -101,9 +101,10 @@ def test_the_motion_before_a_filter_that_was_not_there(swing):
         assert np.abs(values - true).max() < share * np.abs(true).max()
 
 
-def test_a_stream_is_as_the_whole(swing):
+@pytest.mark.parametrize('power', [np.inf, POWER, np.array([POWER, np.inf])])
+def test_a_stream_is_as_the_whole(swing, power):
     motion = seen(swing)
-    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), POWER, np.array([VELOCITY, np.inf])
+    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), power, np.array([VELOCITY, np.inf])
     stream = ShownStream()
     online = np.array([stream.at(*row)(*places)[0] for row in zip(*motion)])
     np.testing.assert_allclose(online, shown_along(*motion)(*places), atol=1e-12)

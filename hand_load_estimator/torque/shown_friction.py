@@ -27,6 +27,8 @@ ROUNDED = 1e-4
 LEAST_LEVEL = 1e-6
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
+# Friction is never so far from zero [-].
+FAR = 2.0
 
 
 @lru_cache(maxsize=4096)
@@ -91,6 +93,7 @@ class _Contacts:
 
     def __init__(self, travels, powers):
         self._travels, self._turning = travels, Turning(powers)
+        self._endless = not np.isfinite(powers).any()
         self.friction = np.zeros(len(travels))
 
     def ways(self, moved, levels):
@@ -121,6 +124,36 @@ class _Contacts:
             out[k + 1] = friction
         self.friction = friction
         return out[::len(bends) // STEPS]
+
+    def bend_along(self, directions, bends, levels):
+        """Return what `bend` does of N samples (N, ...), one after the other."""
+        if self._endless:
+            return self._clipped_along(bends, directions * (1.0 if levels is None else levels))
+        rows = zip(directions, bends, repeat(None) if levels is None else levels)
+        return np.array([self.bend(*row) for row in rows])
+
+    def _clipped_along(self, kept, towards):
+        """
+        Return bend_along of powers that are infinite, of which `kept` is left of a way to a level.
+
+        Each step then is f -> clip(kept f + (1 - kept) towards), and all of a sample one such.
+        """
+        gain, shift = np.ones_like(kept[:, 0]), np.zeros_like(kept[:, 0])
+        least, most = shift - FAR, shift + FAR
+        maps = [(gain, shift, least, most)]
+        for keep, level in zip(kept.swapaxes(0, 1), towards.swapaxes(0, 1)):
+            moved = (1.0 - keep) * level
+            lowest, highest = np.where(level < 0.0, level, -FAR), np.where(level > 0.0, level, FAR)
+            gain, shift = keep * gain, keep * shift + moved
+            least, most = (np.clip(keep * end + moved, lowest, highest) for end in (least, most))
+            maps.append((gain, shift, least, most))
+        before, friction = np.empty_like(gain), self.friction
+        for row, (scale, add, low, high) in enumerate(zip(*maps[-1])):
+            before[row] = friction
+            friction = np.minimum(np.maximum(scale * friction + add, low), high)
+        self.friction = friction
+        return np.stack([np.clip(scale * before + add, low, high) for scale, add, low, high
+                         in maps[::len(towards[0]) // STEPS]], axis=1)
 
 
 class ShownFriction:
@@ -215,17 +248,12 @@ class ShownAlong:
             some = slice(first, first + ROWS)
             moved, v, warmth = (values[some, :, joints] for values in motion)
             levels = left(v, warmth, *peak) if peak else None
-            bent = np.array([contacts.bend(*row) for row in _rows(contacts.ways(moved, levels))])
+            bent = contacts.bend_along(*contacts.ways(moved, levels))
             shown = _filtered_along(stages, bent.reshape(len(bent), STEPS + 1, count, -1)
                                     .swapaxes(1, 2), dt[some])
             stages = shown[-1]
             out.append(shown[:, :, 2].reshape(len(bent), -1))
         return np.concatenate(out)
-
-
-def _rows(arrays):
-    """Yield the rows of arrays, None for what is none."""
-    return zip(*(repeat(None) if values is None else values for values in arrays))
 
 
 def shown_along(course, dt, warmth):
