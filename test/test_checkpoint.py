@@ -11,6 +11,7 @@ from safetensors.numpy import load_file
 from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
                                                        read_checkpoint, restore_checkpoint,
                                                        write_checkpoint)
+from hand_load_estimator.estimators.pipeline import CONFIRMED
 
 MASS = 3.0
 
@@ -63,20 +64,26 @@ def test_until_motion_it_says_where_it_comes_from(model, before, path):
     assert pipeline.estimate(0.0).status == 'NO_DATA'
     estimates = feed(pipeline, later(model, block(MASS), rest=1.0))
     still = [e for e in estimates if e.stamp < 120.9]
-    assert {e.status for e in still} == {'DETERMINED'}
-    assert all('as it was 10 s before, no motion since' in e.reason for e in still)
-    assert 'before' not in estimates[-1].reason and pipeline.load_id == 0
+    assert {e.status for e in still} == {'WAITING_FOR_MOTION'}
+    assert all('as it was 10 s before; 0.0 s of motion since' in e.reason for e in still)
+    assert not any(e.determined.any() for e in still)
+    # Soon after it moves, it is what it was.
+    moving = [e for e in estimates if e.stamp > 121.0 + CONFIRMED + 0.3]
+    assert {e.status for e in moving} == {'DETERMINED'} and pipeline.load_id == 0
     assert abs(estimates[-1].mean[0] - MASS) < 3.5 * estimates[-1].std[0]
     assert estimates[-1].std[0] < 1.05 * before.estimate(0.0).std[0]
 
 
 @pytest.mark.parametrize('after', [0.0, 1.5])
-def test_a_load_exchanged_meanwhile_is_noticed(model, path, after):
+def test_a_load_exchanged_meanwhile_is_noticed_before_anything_is_determined(model, path, after):
     pipeline = warm(restored(path, pipeline_of(model)))
     estimates = feed(pipeline, later(model, block(after) if after else block(1e-6), rest=0.3))
     changed = [e.stamp - 120.3 for e in estimates if e.load_id > 0]
     assert changed and changed[0] < 1.2 and pipeline.load_id == 1
     assert abs(estimates[-1].mean[0] - after) < 3.5 * estimates[-1].std[0] + 0.01
+    said = {e.status for e in estimates if e.load_id == 0}
+    assert said == {'WAITING_FOR_MOTION'}
+    assert not any('taken as it was' in e.reason for e in estimates if e.load_id == 1)
 
 
 def test_friction_may_have_drifted_meanwhile(model, before, path):

@@ -19,6 +19,9 @@ MOTION_START = 0.05
 STANDING = 0.02
 # How long LOAD_CHANGED is said after a change [s].
 CHANGE_SHOWN = 1.0
+# Motion [s] after which a load that was restored from a file is the one still held: another one
+# is seen within 0.2 s nearly always.
+CONFIRMED = 0.5
 
 
 class TareError(HandLoadError):
@@ -47,7 +50,7 @@ class Pipeline:
         self._stale_after = stale_after
         self._stream = JointStream(model.robot)
         self._began, self._unwatched = False, None
-        self._changes_before, self._restored = 0, ''
+        self._changes_before, self._restored, self._moved = 0, '', 0.0
         self._sample = self._suggester = None
         self._estimate = None
         self.residual = np.full(model.robot.n, np.nan)
@@ -134,12 +137,20 @@ class Pipeline:
         self.residual = prediction.difference
         if self.tool:
             self.residual = self.residual + prediction.load_columns @ self.tool.products
-        self._began = self._began or self._moves(sample)
+        moves = self._moves(sample)
+        self._began = self._began or moves
         belief = self.method.update(sample, prediction)
+        self._confirm(sample.dt if moves else 0.0)
         self._follower.carry(belief, self.method)
         self._unwatched = sample, prediction
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
+
+    def _confirm(self, moved):
+        """Tell by `moved` [s] of motion more whether what was restored is still held."""
+        self._moved += moved
+        if self._moved >= CONFIRMED or self.method.changes:
+            self._restored = ''
 
     def settle(self):
         """Do what the last estimate did not wait for."""
@@ -174,7 +185,8 @@ class Pipeline:
         """
         Go on from a state() of the same robot, model and method; ValueError when it is unusable.
 
-        told: in words where it comes from, said until motion confirms or refutes it.
+        told: in words where it comes from, said until motion confirms or refutes it. Until then
+        nothing counts as determined: nobody knows what the hand did meanwhile.
         """
         counts = checked(state, {'load_id': (), 'began': ()})
         watched = checked(state, {name: value.shape for name, value in self._watched().items()})
@@ -182,7 +194,7 @@ class Pipeline:
         self.watch.restore({name.removeprefix('watch_'): value
                             for name, value in watched.items()})
         self._changes_before = int(counts['load_id'])
-        self._restored = told if counts['began'] else ''
+        self._restored, self._moved = told if counts['began'] else '', 0.0
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
@@ -243,32 +255,31 @@ class Pipeline:
         """Return status and reason while measurements arrive; determined (10,) bool."""
         change = self.method.last_change
         impossible = impossible_mass(belief, self.tared_mass)
-        if not self._began and not self._restored:
+        if self._restored or not self._began:
             return 'WAITING_FOR_MOTION', _joined(self._why_waiting(), impossible)
         if mismatch := _joined(self.method.mismatch, impossible):
             return 'MODEL_MISMATCH', mismatch
         if change is not None and 0.0 <= stamp - change < CHANGE_SHOWN:
             return 'LOAD_CHANGED', 'recent torques belong to another load'
         if determined[:4].all():
-            return 'DETERMINED', f'mass and centre of mass are determined{self._unconfirmed()}'
+            return 'DETERMINED', 'mass and centre of mass are determined'
         open_ = [name for name, done in zip(('mass', 'x', 'y', 'z'), determined) if not done]
-        return 'ESTIMATING', f'not determined yet: {", ".join(open_)}{self._unconfirmed()}'
+        return 'ESTIMATING', f'not determined yet: {", ".join(open_)}'
 
     def _why_waiting(self):
-        """Return in words why no motion was seen."""
+        """Return in words why no motion was seen, or too little."""
+        if self._restored:
+            return (f'the load is taken {self._restored}; {self._moved:.1f} s of motion since, and '
+                    f'{CONFIRMED:g} s confirm or refute it')
         rejected = joint_states_of(self._stream.rejected)
         if sum(rejected.values()) > self.samples:
             return (f'most joint states are rejected: {in_words(rejected)}; no joint that carries '
                     'the load moves in the others')
         return 'no joint that carries the load has moved: at rest friction hides it'
 
-    def _unconfirmed(self):
-        """Return in words that a restored estimate has seen no motion yet."""
-        return '' if self._began else f'; {self._restored}, no motion since'
-
     def _determined(self, belief):
         """Return (10,) bool: what is known as well as users asked, by motion and not by rest."""
-        seen = self._began or bool(self._restored)
+        seen = self._began and not self._restored
         return seen & (np.sqrt(belief.covariance.diagonal()) < self._thresholds)
 
     def _say(self, stamp, belief, status, reason, determined):
