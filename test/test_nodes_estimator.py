@@ -317,3 +317,13 @@ def test_ends_cleanly_on_a_signal(estimator, listener, number):
     listener.until(lambda: estimator.status(), 20.0, 'a status')
     code, output = estimator.stopped(number)
     assert code == 0 and 'Traceback' not in output, output
+
+
+def test_status_keeps_up_with_a_simulation_faster_than_time(listener, estimator):
+    """As often in simulated time as else: whoever goes by that clock knows no other."""
+    feeder = Feeder(listener, speed=8.0)
+    feeder.wait()
+    before = len(estimator.heard['status'])
+    feeder.play(arm_samples((3.0,))[:750])
+    listener.until(lambda: estimator.counted('received joint_states') == 750, 10.0, 'all input')
+    assert len(estimator.heard['status']) - before > 0.8 * 3.0 / 0.1

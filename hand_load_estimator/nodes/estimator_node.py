@@ -68,11 +68,14 @@ class EstimatorNode(Node):
         self._base, self._last_stamp = StampBase(), None
         self._newest = self._arrived = None
         self._last_status = self._drawn_next = None
+        # By stamps, since simulated time may run faster than the clock on the wall; while they stop,
+        # by that one.
+        self._status_throttle, self._told_lately = Throttle(1.0 / _STATUS_PERIOD), False
         self._input = InputReport()
         self._create_outputs()
         self._create_inputs(values)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(_STATUS_PERIOD, self._publish_status, clock=steady)
+        self.create_timer(_STATUS_PERIOD, self._keep_telling, clock=steady)
         self.create_timer(_CHECKPOINT_PERIOD, lambda: self._checkpoint.keep(self._pipeline),
                           clock=steady)
         self._create_diagnostics()
@@ -156,7 +159,7 @@ class EstimatorNode(Node):
             self._covariance.publish(covariance_message(estimate.covariance))
         # Whoever looks for collisions cannot do with fewer.
         self._residual.publish(residual_message(self._joints, self._pipeline.residual, stamp))
-        if key != self._last_status:
+        if self._status_throttle.due(seconds) or key != self._last_status:
             self._publish_status()
 
     def _draw(self, estimate):
@@ -175,7 +178,13 @@ class EstimatorNode(Node):
         now, newest = self._now(), self._last_stamp
         return self._pipeline.estimate(now), float('nan') if newest is None else now - newest
 
+    def _keep_telling(self):
+        if not self._told_lately:
+            self._publish_status()
+        self._told_lately = False
+
     def _publish_status(self):
+        self._told_lately = True
         estimate, age = self._current()
         self._last_status = (estimate.status, estimate.load_id)
         name = self.get_fully_qualified_name().lstrip('/')

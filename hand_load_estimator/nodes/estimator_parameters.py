@@ -23,8 +23,8 @@ ESTIMATOR_PARAMETERS = (
     Parameter('checkpoint_max_age', 3600.0, 'age from which a checkpoint is refused: nobody '
               'knows what the hand did meanwhile', 's', low=1.0, high=1e8),
     Parameter('publish_rate', 50.0, 'highest rate of the load topics; the residual torque '
-              'comes with every estimate', 'Hz', low=1.0,
-              high=1000.0, read_only=False),
+              'comes with every estimate, 50 times a second at most', 'Hz', low=1.0, high=50.0,
+              read_only=False),
     Parameter('marker_rate', 10.0, 'rate of the markers; 0: none', 'Hz', low=0.0, high=100.0,
               read_only=False),
     Parameter('joint_states_depth', 2000, 'joint states kept while the node is busy: at least '
