@@ -118,6 +118,8 @@ def test_each_of_a_pair_is_judged_and_neither_is_the_others_false_finding():
     (RESONANCE, [finding('stribeck_friction')], 'confused'),
     (RESONANCE, [finding('unknown', variables=['velocity']), finding('stribeck_friction')],
      'confused'),
+    (RESONANCE, [finding('unknown', variables=['velocity']),
+                 finding('unknown', variables=['position'])], 'confused'),
     (RESONANCE, [], 'missed'),
     ('swinging_load', [finding('unknown', variables=['time'], frequency=1.05)], 'found'),
     ('swinging_load', [finding('unknown', variables=['time'], frequency=1.05,

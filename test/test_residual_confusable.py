@@ -72,12 +72,12 @@ def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(grav
     residual = SimpleNamespace(columns=links, x=cold)
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
-    assert separating_motion(residual, chosen, ()).startswith(NO_MOTION) == same
+    assert separating_motion(robot, residual, chosen, ()).startswith(NO_MOTION) == same
     # Nobody chose the first link: it gains what the rotor does, and is named all the same.
     others = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
     assert others == ((Alternative('link_inertia', (robot.joints[0],), 0.0, 0.0),) if same else ())
     # Another link is something else, and told from the rotor as ever.
-    told = separating_motion(residual, chosen, ['link_inertia'])
+    told = separating_motion(robot, residual, chosen, ['link_inertia'])
     assert told.endswith(advice('rotor_inertia', ['link_inertia']))
 
 
@@ -92,7 +92,20 @@ def test_at_one_temperature_friction_and_its_change_with_it_are_one(warmth, told
     chosen = Candidate('coulomb_friction', ((part, None),), 1.0, 1.0, np.ones(1))
     found = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
     assert found == ((Alternative(other, (robot.joints[1],), 0.0, 0.0),) if told else ())
-    assert separating_motion(residual, chosen, ()) \
+    assert separating_motion(robot, residual, chosen, ()) \
         == advice('coulomb_friction', [other] if told else [])
     assert not alternatives_of(robot, residual, Step(
         Candidate('cable_drag', ((part, None),), 1.0, 1.0, np.ones(1)), (), None, 1.0))
+
+
+def test_the_last_link_is_not_told_from_a_load_that_nobody_declared():
+    robot = ur10e()
+    residual = SimpleNamespace(x=SimpleNamespace(warmth=np.zeros((50, robot.n))))
+    for j, both in ((robot.n - 1, True), (robot.n - 2, False)):
+        part = Hypothesis('link_inertia', j, {j: np.ones((50, 10))}, np.ones(10))
+        chosen = Candidate('link_inertia', ((part, None),), 1.0, 1.0, np.ones(1))
+        found = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
+        assert found == ((Alternative('undeclared_load', (robot.joints[j],), 0.0, 0.0),)
+                         if both else ())
+        assert ('take everything off the hand' in separating_motion(
+            robot, residual, chosen, ())) == both

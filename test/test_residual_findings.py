@@ -20,6 +20,7 @@ from hand_load_estimator.residual.tracing.candidate import Candidate, Step
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 
 JOINT = 1
+EVIDENCE = Evidence(1.0, 1.0, 1.0, 1, 1, 1.0)
 
 
 def toothed(run):
@@ -127,7 +128,7 @@ def test_a_link_found_changed_may_change_in_a_model_of_the_same_recordings():
 def test_what_makes_its_joint_worse_where_nothing_was_fitted_is_suspected():
     def found(name, joint, verdict='confirmed', recording=''):
         explained = np.eye(3)[joint]
-        return Finding(name, (f'j{joint}',), {}, explained, None, (), '', False, verdict,
+        return Finding(name, (f'j{joint}',), {}, explained, EVIDENCE, (), '', False, verdict,
                        recording=recording)
     given = (found('cable_drag', 0), found('backlash', 1), found('backlash', 1, 'suspected'),
              found('external_contact', 1, recording='run'), found('unknown', 1),
@@ -162,6 +163,13 @@ def test_a_joint_that_got_worse_though_nothing_acts_there_is_told():
     assert told[0].startswith('elbow: the error') and 'from 1 to 1.03 Nm' in told[0]
     assert refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]), np.array([0.5, 1.01]),
                    as_before(2))[1] == ()
+
+
+def test_one_cause_of_several_joints_makes_none_of_them_worse():
+    given = (replace(finding(('pan', 'elbow'), [0.9, 0.1]), name='time_delay'),)
+    (kept,), (told,) = refuted(given, ('pan', 'elbow'), np.array([1.0, 1.0]),
+                               np.array([0.5, 1.2]), as_before(2))
+    assert kept.verdict == SUSPECTED and told.startswith('elbow: time_delay is only suspected')
 
 
 def test_a_joint_that_an_effect_of_several_made_worse_is_told():

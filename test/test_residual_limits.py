@@ -79,6 +79,14 @@ def test_temperatures_tell_when_they_change(celsius, warmed, words):
         == ([True] if words else [])
 
 
+def test_temperatures_in_another_unit_are_said_to_be_refused():
+    model = declared_model()
+    blind = [replace(moving(e, temperature=np.nan), rejected={'implausible_temperature': 30})
+             for e in recorded()]
+    (said,) = warmed_joints(model, blind)[1]
+    assert '120 readings are no temperature of a joint in degC (kelvin?' in said
+
+
 def test_a_recording_without_temperatures_is_named_where_others_tell_of_them():
     model, runs = declared_model(), recorded()
     blind = moving(runs[0], temperature=np.nan)

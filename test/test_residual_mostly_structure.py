@@ -1,14 +1,15 @@
 """Where most of what is left is structure without a name, it is an `unknown` effect."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-from residual_helpers import declared_model
+from residual_helpers import declared_model, diagnosed, told
 import pytest
 
 from hand_load_estimator.residual.diagnosis import (CONFIRMED, Evidence, Finding, Structure,
                                                     SUSPECTED, UNKNOWN)
-from hand_load_estimator.residual.doubts.mostly_structure import mostly_structure
+from hand_load_estimator.residual.doubts.mostly_structure import drifting, mostly_structure
 from hand_load_estimator.residual.measured.structure import CONSTANT
 
 JOINTS = declared_model().robot.joints
@@ -70,3 +71,25 @@ def test_a_mean_is_nothing_that_it_follows():
 @pytest.mark.parametrize('named', [finding(UNKNOWN, 0), finding('load_change', 0, 'run 1')])
 def test_what_has_been_told_is_not_told_twice(named):
     assert unknowns([4.0, 0.0, 0.0, 0.0], (named,)) == ()
+
+
+def test_the_average_of_what_drifts_is_only_suspected():
+    def unknown(joint, *variables):
+        return replace(finding(UNKNOWN, joint), verdict=SUSPECTED, variables=variables)
+    named = (finding('torque_offset', 0), finding('torque_ripple', 0), finding('torque_offset', 1),
+             finding('torque_offset', 2), unknown(0, 'time'), unknown(1, 'position', 'time'))
+    found, said = drifting(named)
+    assert [f.verdict for f in found] == [SUSPECTED, *[CONFIRMED] * 3, SUSPECTED, SUSPECTED]
+    (sentence,) = said
+    assert sentence.startswith(f'{JOINTS[0]}: torque_offset is only suspected')
+
+
+def test_an_effort_that_drifts_has_no_new_offset():
+    """Of a sensor, say: 1.6 times the noise per second."""
+    def drifts(run):
+        time = run.motion.stamp - run.motion.stamp[0]
+        return (1.6 * run.noise * time[:, None]) * (np.arange(run.robot.n) == 1)
+    diagnosis, _ = diagnosed(drifts)
+    assert not told(diagnosis)
+    assert any(f.name == UNKNOWN and f.joints == (JOINTS[1],) and f.variables == ('time',)
+               for f in diagnosis.findings)

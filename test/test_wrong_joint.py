@@ -41,6 +41,13 @@ def test_an_effort_of_the_other_sign_is_named(joint):
 
 
 @pytest.mark.parametrize('joint', range(4))
+def test_an_effort_without_its_sign_is_named(joint):
+    torque = recorded()[0].torque.copy()
+    torque[:, joint] = np.abs(torque[:, joint])
+    assert f'effort of j{joint} is taken for its size without a sign' in told(torque)
+
+
+@pytest.mark.parametrize('joint', range(4))
 def test_an_angle_of_the_other_sign_is_named(joint):
     said = told(**turned(joint))
     # Without gravity on it the sign of a joint's angle and that of its effort are the same.

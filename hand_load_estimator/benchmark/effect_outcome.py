@@ -103,8 +103,12 @@ def _untold(other, finding):
 
 def _belongs(finding, effect, widely):
     """Tell whether a finding is about a hidden effect, and no false one."""
-    return _here(finding, effect) and (finding['name'] == _name(effect)
-                                       or _both_named(finding, effect['name'], widely))
+    if not _here(finding, effect):
+        return False
+    if effect['name'] in NOT_IN_VOCABULARY:
+        # That something is there, without a word on what, is not false.
+        return finding['name'] == UNKNOWN and _variables(finding) in ([], *_allowed(effect))
+    return finding['name'] == effect['name'] or _both_named(finding, effect['name'], widely)
 
 
 def _joint_right(effect, findings):
@@ -135,8 +139,7 @@ def _outcome(effect, result, false, widely):
 def _outside(effect, result, false):
     """Judge an effect that no model knows: a confirmed `unknown` with its variable alone."""
     unknown = [f for f in result['findings'] if f['name'] == UNKNOWN and _here(f, effect)]
-    allowed = [[variable] for variable in NOT_IN_VOCABULARY[effect['name']]]
-    right = [f for f in unknown if _variables(f) in allowed
+    right = [f for f in unknown if _variables(f) in _allowed(effect)
              and _rings_right(f, result['parameters'])]
     if not unknown:
         return CONFUSED if false else MISSED
@@ -145,6 +148,11 @@ def _outside(effect, result, false):
     if false:
         return CONFUSED
     return FOUND if any(f['verdict'] == CONFIRMED for f in right) else SUSPECTED
+
+
+def _allowed(effect):
+    """Return the lists of variables that are right for an effect that no model knows."""
+    return [[variable] for variable in NOT_IN_VOCABULARY[effect['name']]]
 
 
 def _variables(finding):

@@ -134,7 +134,7 @@ def diagnosis_content(diagnosis):
         'effects': [_effect(finding) for finding in diagnosis.findings],
         'unexplained': _numbers(diagnosis.unexplained),
         'unexplained_most': _numbers(diagnosis.unexplained_most), **_load_error(diagnosis),
-        'another_state': diagnosis.another_state,
+        'another_state': diagnosis.another_state, 'moved_zero': diagnosis.moved_zero,
         'cannot_tell': list(diagnosis.cannot_tell), 'remains': list(diagnosis.remains),
         'recordings': list(diagnosis.recordings), 'tested_on': diagnosis.tested_on,
         'test_seen_by_model': list(diagnosis.seen), 'refitted': diagnosis.refitted,

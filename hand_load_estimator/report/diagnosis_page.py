@@ -29,12 +29,6 @@ _ADAPTED = 0.8
 _WORSE = 1.15
 
 
-def _strongest(finding, joints):
-    """Return the index of the joint whose residual the finding explains best."""
-    own = np.array([name in finding.joints for name in joints])
-    return int(np.argmax(np.where(own, np.nan_to_num(finding.explained), -1.0)))
-
-
 def _nothing(diagnosis):
     """Return the headline of a diagnosis without findings."""
     left = np.nan_to_num(diagnosis.unexplained)
@@ -70,10 +64,12 @@ def sentences(diagnosis):
     """
     Return a plain-text sentence per finding, confirmed ones first, or one that says none.
 
-    Where the arm is rather another one than ailing, that comes first.
+    Where the arm is rather another one than ailing, or a zero moved, that comes first.
     """
     findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
     told = [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
+    if diagnosis.moved_zero:
+        told.insert(0, f'Rather a zero that moved: {diagnosis.moved_zero}')
     if diagnosis.another_state:
         told.insert(0, 'Rather another arm, or a model of another time, than so many defects: '
                        f'identify {diagnosis.robot} anew')
@@ -82,8 +78,8 @@ def sentences(diagnosis):
 
 def _sentence(finding, diagnosis):
     """Return where, what, and the torque error before and after of its joint."""
-    j = _strongest(finding, diagnosis.joints)
-    of = '' if len(finding.joints) == 1 else f' of {diagnosis.joints[j]}'
+    j = finding.main_joint(diagnosis.joints)
+    of = '' if finding.joints == (diagnosis.joints[j],) else f' of {diagnosis.joints[j]}'
     named = _named(finding, diagnosis.joints)
     if not math.isfinite(diagnosis.after[j]):
         return f'{named}; torque error{of} not known, because no joint slid in the test'

@@ -17,7 +17,8 @@ from .doubts.few_temperatures import between_two_temperatures
 from .doubts.impossible import on_wrong_footing
 from .doubts.known_recordings import known_by_name_only, known_names
 from .doubts.limits import refuse_the_useless, slow_joint_states, still_joints, too_little_gained
-from .doubts.mostly_structure import mostly_structure
+from .doubts.mostly_structure import drifting, mostly_structure
+from .doubts.moved_zero import moved_zero
 from .doubts.not_named import sentences_on
 from .doubts.odd_recording import odd_recordings
 from .doubts.spring_beside_cable import further_terms
@@ -67,6 +68,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, ex.better, ex.residual, ex.evidence, ex.warmed[0])
     findings, doubts = _found(model, ex, names, (before, after), structure)
+    findings, moved = moved_zero(findings, model, ex.trace)
     findings, between, state = _beyond_recordings(findings, model, ex)
     cannot = [*state, *by_name, *told, *ex.unused, *ex.warmed[1], *slow_joint_states(ex.evidence),
               *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
@@ -78,6 +80,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]
     findings += mostly_structure(model.robot, ex.residual, ex.rest, findings, structure,
                                  ex.trace.trials)
+    findings, drifts = drifting(findings)
     warm = within_unknown_temperature(model, ex.evidence, ex.residual, ex.rest)
     findings, why = without_unknown_temperature(findings, model.robot, warm, ex.residual, ex.rest)
     better = with_stated_shapes(ex.better, findings)
@@ -88,10 +91,11 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, (*cannot, *why), recordings=names, tested_on=tested_on,
         seen=() if ex.refitted else seen, refitted=ex.refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + between + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
+        remains=doubts + drifts + between
+        + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
         + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
-        another_state=bool(state), stated=np.hypot(model.residuals.rmse, np.where(
+        another_state=bool(state), moved_zero=moved, stated=np.hypot(model.residuals.rmse, np.where(
             warm, ex.residual.expected, 0.0))), correction), better
 
 
@@ -136,9 +140,11 @@ def _errors_without(model, ex, step):
 
 def _errors(model, better, test):
     """Return RMSE (n,) [Nm] of both models on test data while joints slide, Rest of the new."""
-    old, new = (errors_of(m, test) for m in (model, better))
-    # Each model knows its friction state at other times; both are judged at the same.
-    known = np.isfinite(old + new)
+    old = errors_of(model, test)
+    # Each model knows its friction state at other times; both are judged where the first does. A
+    # better one that turns friction over a radian would be judged nowhere.
+    new = np.concatenate([find_residual(better, [e], cut=False).residual for e in test])
+    known = np.isfinite(old)
     # Nor at joints that a contact or the arm's own shaking moves for a moment.
     known[:, list(still_joints(better, test))] = False
     old, new = (np.where(known, e, np.nan) for e in (old, new))
@@ -146,6 +152,12 @@ def _errors(model, better, test):
                    np.concatenate([e.motion.messages for e in test]),
                    np.concatenate([np.full(len(e.motion.dt), k) for k, e in enumerate(test)]))
     return _rms(old), rest.rms, rest
+
+
+def errors_of(model, evidence):
+    """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
+    residuals = [find_residual(model, [e], cut=False) for e in evidence]
+    return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
 
 
 def _sliding(model, test):
@@ -162,12 +174,6 @@ def _rms(errors):
     count = known.sum(axis=0)
     squares = np.where(known, errors ** 2, 0.0).sum(axis=0)
     return np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), np.nan))
-
-
-def errors_of(model, evidence):
-    """Return tau_real - tau_mdl (N, n) [Nm], NaN where a joint does not surely slide."""
-    residuals = [find_residual(model, [e], cut=False) for e in evidence]
-    return np.concatenate([np.where(r.moving, r.residual, np.nan) for r in residuals])
 
 
 def _beyond_recordings(findings, model, ex):

@@ -101,6 +101,14 @@ class Finding:
     variables: tuple = ()
     recording: str = ''
 
+    def main_joint(self, joints):
+        """Return the index, among names of all joints, of the one that shows it most."""
+        shown = self.evidence.by_joint
+        if shown:
+            return joints.index(max(shown, key=shown.get))
+        own = np.array([name in self.joints for name in joints])
+        return int(np.argmax(np.where(own, np.nan_to_num(self.explained), -1.0)))
+
 
 @dataclass(frozen=True)
 class Correction:
@@ -202,7 +210,8 @@ class Diagnosis:
     before and after are of fits without the part kept for the test; left_out [s]: of that part,
     in which something acted from outside; another_state: most joints differ, each by its own
     cause, so that the arm is rather another one than ailing (another_state.py); stated (n,) [Nm]:
-    the error that the model diagnosed states of itself, or None.
+    the error that the model diagnosed states of itself, or None; moved_zero: the sentence of
+    moved_zero.py, or an empty string.
     """
 
     robot: str
@@ -232,6 +241,7 @@ class Diagnosis:
     noise_most: np.ndarray | None = None
     another_state: bool = False
     stated: np.ndarray | None = None
+    moved_zero: str = ''
 
     @property
     def unexplained_most(self):

@@ -12,9 +12,13 @@ from .doubts.unknown import left_over
 from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
 from .tracing.confusable import advice, NO_MOTION, same_torque
+from .tracing.effort_filter import filtered_instead
+from .tracing.hypotheses import ONE_CAUSE
 from .tracing.shape_doubt import NO_DOUBT, shape_doubt
 
 _MOST_PICTURES = 3
+# What a load that nobody declared is called among the alternatives.
+UNDECLARED_LOAD = 'undeclared_load'
 # At one temperature, which parameters are not stated at, an effect is as its change with it.
 _WITH_WARMTH = {'coulomb_friction': 'temperature_dependent_coulomb_friction',
                 'viscous_friction': 'temperature_dependent_viscous_friction',
@@ -60,12 +64,15 @@ def _finding(models, trace, step, blocks, odd, searched):
         score.by_joint.get(j, 0.0) for _, score in chosen.parts))
     sure = significant(chosen) and (chosen.name == UNKNOWN) == (main in odd) \
         and not any(step is doubted for doubted in trace.maybe_soft_ends)
+    alternatives = alternatives_of(robot, residual, step)
+    filtered = filtered_instead(robot, chosen, blocks, residual) if chosen.name == LATE else ()
     return Finding(
         chosen.name, _joints(robot, chosen),
         _parameters(model, better, chosen, searched),
         _explained(without, partial - torque, residual.weights),
-        _evidence(robot.joints, trace, step, torque), alternatives_of(robot, residual, step),
-        separating_motion(residual, chosen, [other.name for other in step.alternatives]),
+        _evidence(robot.joints, trace, step, torque), (*alternatives, *filtered),
+        separating_motion(robot, residual, chosen,
+                          [other.name for other in (*step.alternatives, *filtered)]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
         (chosen.variable,) if chosen.name == UNKNOWN else ())
@@ -83,6 +90,7 @@ def alternatives_of(robot, residual, step):
              for other in step.alternatives for less in [ahead(step.chosen, other)]]
     # What is the same torque the choice did not ask for, and no block could tell.
     same = [(LINK_INERTIA.name, (robot.joints[0],))] * _is_first_link(residual, step.chosen)
+    same += [(UNDECLARED_LOAD, _joints(robot, step.chosen))] * _is_last_link(robot, step.chosen)
     same += [(name, _joints(robot, step.chosen)) for name in _by_warmth(residual, step.chosen)]
     return (*(Alternative(name, joints, 0.0, 0.0) for name, joints in same), *found)
 
@@ -109,19 +117,19 @@ def refuted(findings, joints, before, after, without):
              if new > _WORSE * old}
     kept, told = [], {}
     for k, finding in enumerate(findings):
-        name = _main_joint(finding, joints)
-        if finding.verdict == CONFIRMED and not finding.recording and name in worse \
+        asked = worse.keys() & _answering(finding, joints)
+        if finding.verdict == CONFIRMED and not finding.recording and asked \
                 and finding.name != UNKNOWN:
-            old, new = worse[name]
-            less, beside = (errors[joints.index(name)] for errors in without(k))
-            if beside <= _WORSE * less:
-                kept.append(finding)
-                continue
-            finding = replace(finding, verdict=SUSPECTED)
-            told[name] = (*told.get(name, ()), (
-                f'{name}: {finding.name} is only suspected, because the error on what was '
-                f'kept for the test rose from {old:.3g} to {new:.3g} Nm ({less:.3g} Nm without '
-                'it)'))
+            others = without(k)
+            for name in sorted(asked, key=list(joints).index):
+                less, beside = (errors[joints.index(name)] for errors in others)
+                if beside <= _WORSE * less:
+                    continue
+                finding = replace(finding, verdict=SUSPECTED)
+                told[name] = (*told.get(name, ()), (
+                    f'{name}: {finding.name} is only suspected, because the error on what was '
+                    f'kept for the test rose from {worse[name][0]:.3g} to {worse[name][1]:.3g} Nm '
+                    f'({less:.3g} Nm without it)'))
         kept.append(finding)
     return tuple(kept), (*(_also_worse(name, *worse[name], kept) for name in worse
                            if name not in told), *(text for texts in told.values()
@@ -138,9 +146,10 @@ def _also_worse(name, old, new, findings):
             f'Nm, {why}')
 
 
-def _main_joint(finding, joints):
-    """Return the name of the finding's own joint that it explains best."""
-    return max(finding.joints, key=lambda name: finding.explained[joints.index(name)])
+def _answering(finding, joints):
+    """Return the names of joints that must not become worse by a Finding: all of one cause."""
+    return set(finding.joints) if finding.name in ONE_CAUSE \
+        else {joints[finding.main_joint(joints)]}
 
 
 def _evidence(joints, trace, step, torque):
@@ -156,17 +165,25 @@ def _evidence(joints, trace, step, torque):
                     {joints[j]: gain for j, gain in by_joint.items()}, step.next_possible)
 
 
-def separating_motion(residual, chosen, alternatives):
+def separating_motion(robot, residual, chosen, alternatives):
     """Return in words the motion that tells a Candidate from its alternatives' names, or ''."""
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
-    told = advice(chosen.name, [*_by_warmth(residual, chosen), *alternatives])
-    if not _is_first_link(residual, chosen):
-        return told
-    both = (f'{NO_MOTION} it from the inertia of the first link, which turns about the axis of '
-            'its own joint only, as the rotor does; the model holds the sum of both')
-    return f'{both}; {told}' if told else both
+    told = [advice(chosen.name, [*_by_warmth(residual, chosen), *alternatives])]
+    if _is_first_link(residual, chosen):
+        told.insert(0, f'{NO_MOTION} it from the inertia of the first link, which turns about the '
+                    'axis of its own joint only, as the rotor does; the model holds the sum of '
+                    'both')
+    if _is_last_link(robot, chosen):
+        told.insert(0, f'{NO_MOTION} it from a load in the hand other than declared: take '
+                    'everything off the hand, or declare what is there (load.yaml)')
+    return '; '.join(filter(None, told))
+
+
+def _is_last_link(robot, chosen):
+    """Tell whether a Candidate is the link that carries the load, which asks for the same."""
+    return chosen.name == LINK_INERTIA.name and robot.n - 1 in chosen.joints
 
 
 def _is_first_link(residual, chosen):

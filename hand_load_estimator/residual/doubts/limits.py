@@ -37,7 +37,7 @@ def warmed_joints(model, evidence):
     known = [column[np.isfinite(column)] for column in columns]
     if not any(len(column) for column in known):
         modelled = any(use.name in NEEDS_TEMPERATURE for use in model.uses)
-        return (), ['cannot tell effects of temperature because none was recorded'
+        return (), [f'cannot tell effects of temperature because {_none(evidence)}'
                     + '; friction as of another temperature counts as expected' * modelled]
     spans = [float(np.ptp(column)) if len(column) else 0.0 for column in known]
     warmed = tuple(j for j, span in enumerate(spans) if span >= LEAST_WARMING)
@@ -45,18 +45,25 @@ def warmed_joints(model, evidence):
         return (), [f'cannot tell effects of temperature because the joints differ by only '
                     f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
     why = [f'it differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed' if len(column)
-           else 'none was recorded' for span, column in zip(spans, known)]
+           else _none(evidence) for span, column in zip(spans, known)]
     return warmed, [*_without_temperature(evidence), *(
         f'cannot tell effects of temperature of {model.robot.joints[j]} because {why[j]}'
         for j in range(model.robot.n) if j not in warmed)]
 
 
+def _none(evidence):
+    """Return in words why a temperature is not known."""
+    refused = {e.mark: e.rejected.get('implausible_temperature', 0) for e in evidence}
+    count = sum(refused.values())
+    return (f'{count} readings are no temperature of a joint in degC (kelvin? try `hand_load '
+            'check`)') if count else 'none was recorded'
+
+
 def _without_temperature(evidence):
     """Return the sentence on recordings of which no joint's temperature is known at all."""
-    without = dict.fromkeys(e.name for e in evidence
-                            if not np.isfinite(e.motion.temperature).any())
-    return [f'cannot tell what of {", ".join(without)} is of temperature because none was '
-            'recorded there; the other recordings say what depends on it'] if without else []
+    without = [e for e in evidence if not np.isfinite(e.motion.temperature).any()]
+    return [f'cannot tell what of {names(without)} is of temperature because {_none(without)} '
+            'there; the other recordings say what depends on it'] if without else []
 
 
 def slow_joint_states(evidence):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...effects import NEEDS_TEMPERATURE
 from ..diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from ..measured.rest import rest_of
 from ..measured.structure import CONSTANT
@@ -13,6 +14,9 @@ from .unknown import follows_words
 
 # Share of the variance that is surely structure, after everything found.
 SHARE = 0.5
+TIME = 'time'
+# What something that drifts has on an average, and what a temperature that drifts as well does.
+_AVERAGES = frozenset({'torque_offset', 'friction_asymmetry'}) | NEEDS_TEMPERATURE
 
 
 def mostly_structure(robot, residual, rest, findings, structure, trials):
@@ -33,7 +37,7 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
     for j, name in enumerate(robot.joints):
         if left.least_structure[j] > SHARE and name not in told:
             # That it has a mean is no dependence.
-            variables = tuple(what for what, _ in named[j] if what != CONSTANT) or ('time',)
+            variables = tuple(what for what, _ in named[j] if what != CONSTANT) or (TIME,)
             found.append(Finding(
                 UNKNOWN, (name,), {}, np.zeros(robot.n),
                 replace(chance, rms=float(left.rms[j])), (),
@@ -41,3 +45,19 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
                 + follows_words(variables), False, SUSPECTED,
                 pictures_left(robot, residual, rest, j, variables), variables))
     return tuple(found)
+
+
+def drifting(findings):
+    """
+    Return (Findings, sentences): suspected is what may be the average of something that drifts.
+
+    That is at joints of whose residual the larger part is structure that follows time.
+    """
+    drift = {name for f in findings if f.name == UNKNOWN and f.variables[:1] == (TIME,)
+             for name in f.joints}
+    only = [f.verdict == CONFIRMED and f.name in _AVERAGES and drift >= set(f.joints)
+            for f in findings]
+    return (tuple(replace(f, verdict=SUSPECTED) if o else f for f, o in zip(findings, only)),
+            tuple(f'{", ".join(f.joints)}: {f.name} is only suspected: most of what it leaves '
+                  'there follows time, of which it may be the average'
+                  for f, o in zip(findings, only) if o))

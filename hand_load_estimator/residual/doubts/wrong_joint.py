@@ -110,11 +110,12 @@ class _Rows:
         """Return the torques (m,) of a joint, of (M, n) each, while it moves."""
         return [torque[self.moves(j), j] for torque in torques]
 
-    def torques(self, signs=None, order=None, only_efforts=False):
+    def torques(self, signs=None, order=None, only_efforts=False, unsigned=None):
         """
         Return torques (M, n) measured less the load's, and modelled.
 
-        signs (n,): of the efforts or of the angles; order (n,): of the efforts or of everything.
+        signs (n,): of the efforts or of the angles; order (n,): of the efforts or of everything;
+        unsigned: index of a joint of which the effort's size was recorded, and is modelled.
         """
         n = self._model.robot.n
         signs = np.ones(n) if signs is None else signs
@@ -122,7 +123,12 @@ class _Rows:
         reported = self._reported[:, order]
         if only_efforts:
             taken_off, modelled = self._as_told
-            return reported * signs * self._constants - taken_off, modelled
+            measured = reported * signs * self._constants - taken_off
+            if unsigned is not None:
+                one, modelled = self._constants[unsigned], modelled.copy()
+                whole = (taken_off + modelled)[:, unsigned]
+                modelled[:, unsigned] = one * np.abs(whole / one) - taken_off[:, unsigned]
+            return measured, modelled
         motion = [(values * signs)[:, order] for values in self._motion]
         taken_off, modelled = self._of_motion(motion)
         return reported * self._constants - taken_off, modelled
@@ -156,7 +162,8 @@ def _mistake(model, rows, odd):
     erring = told > 1.0
     if not erring.any():
         return ''
-    tried = _exchanges(model.robot.joints) + (_signs(model.robot.joints) if odd else [])
+    tried = _exchanges(model.robot.joints) + (
+        _signs(model.robot.joints) + _lost_signs(model.robot.joints) if odd else [])
     errors, words = min(((_errors(model, *rows.torques(**how)), words)
                          for how, words in tried), key=lambda pair: pair[0].sum())
     # An error that has only gone to the other joint is not undone.
@@ -175,6 +182,13 @@ def _signs(joints):
                 ({'signs': signs, 'only_efforts': True},
                  f'the effort of {joint} has the other sign')]
     return out
+
+
+def _lost_signs(joints):
+    """Return [(arguments of torques() that undo it, words)] of every joint's size of effort."""
+    return [({'unsigned': j, 'only_efforts': True},
+             f'the effort of {joint} is taken for its size without a sign')
+            for j, joint in enumerate(joints)]
 
 
 def _exchanges(joints):

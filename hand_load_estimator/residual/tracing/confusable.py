@@ -122,7 +122,11 @@ _UNLIKE = {
     frozenset({'presliding_hysteresis', 'torque_ripple'}):
         'move the joint on at constant speed after a reversal: friction has turned once, a ripple '
         'goes on'}
-_MOTIONS = {**PAIRS, **_UNLIKE}
+# And of what is none of the vocabulary.
+_BESIDE = {frozenset({'time_delay', 'effort_filter'}):
+           'move along the same path slowly and quickly: a delay stays the same time, a filter '
+           'takes off the more of a torque, the quicker it changes'}
+_MOTIONS = {**PAIRS, **_UNLIKE, **_BESIDE}
 
 
 def partners(name):

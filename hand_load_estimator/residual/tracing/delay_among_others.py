@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from ...effects.time_delay import LATEST
 from .finer_shape import SAME
 from .hypotheses import of_shapes
 from .hypothesis import beside_delays, whole
@@ -34,7 +35,8 @@ def delay_among(hypothesis, others, blocks, model, residual):
     others: their Hypotheses; blocks: Blocks with neither of them.
     """
     def tried(shift):
-        (moved,) = of_shapes(hypothesis, [{'shift': float(shift)}], model, residual)
+        shift = min(float(shift), LATEST)
+        (moved,) = of_shapes(hypothesis, [{'shift': shift}], model, residual)
         return moved, *_together(moved, others, blocks, delayed(residual, moved))
 
     start = hypothesis.shape['shift']
