@@ -26,6 +26,9 @@ FINAL_UNDECLARED_CASES = range(4_440_000, 4_490_000)
 # 1750 to 1769, 4,200,000 and 4,370,000 on) was looked at.
 FINAL_EFFECT_PLANTS = range(1770, 1790)
 FINAL_EFFECT_CASES = range(4_380_000, 4_390_000)
+# More changes of the load than their suite has by itself: those before were on ten arms only.
+FINAL_CHANGE_PLANTS = range(1900, 1940)
+FINAL_CHANGE_CASES = range(4_490_000, 4_500_000)
 # The plant whose recordings made the shipped model. The demo and the simulator use it too: the
 # user's arm is the one that was identified.
 SHIPPED_MODEL_PLANT = 1

@@ -93,6 +93,14 @@ def test_jobs_of_changes_are_as_many_as_asked_on_their_own_seeds():
     assert len({job[3] for job in jobs.values()}) == len(jobs)
 
 
+def test_more_changes_than_the_suite_has_are_on_arms_of_their_own():
+    few, many = ([job for job in changes.change_jobs('r.yaml', count, 0.5, None, None).values()]
+                 for count in (changes.CHANGES, 400))
+    assert {job[2] for job in few} <= set(seeds.BENCHMARK_PLANTS)
+    assert {job[2] for job in many} == set(seeds.FINAL_CHANGE_PLANTS)
+    assert {job[3] for job in many} <= set(seeds.FINAL_CHANGE_CASES)
+
+
 def test_a_pick_is_seen_and_running_raises_no_alarm(monkeypatch):
     """The shipped model on the arm it was identified from."""
     model = read_model(find_shared('ur10e', 'models'))

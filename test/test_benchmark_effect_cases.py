@@ -89,6 +89,7 @@ def test_effects_of_the_whole_arm_name_no_joint():
 @pytest.mark.parametrize('name, parameters, expected', [
     ('torque_ripple', {'torque': 3.0, 'periods': 71.0}, {'amplitude': 3.0, 'periods': 71.0}),
     ('gravity_spring', {'stiffness': 30.0, 'angle': 0.5}, {'stiffness': 30.0}),
+    ('backlash', {'gap': 0.004, 'inertia': 0.5}, {'travel': 0.004}),
     ('base_tilt', {'angle': 0.05}, {'angle': 0.05}),
     ('viscous_friction', {'coefficient': 4.0}, {'coefficient': 4.0}),
     ('temperature_dependent_coulomb_friction', {'fall': 0.02}, {'slope': -0.02}),

@@ -17,7 +17,8 @@ def test_there_are_ranges_for_every_purpose():
     assert {'TRAINING', 'VALIDATION', 'CALIBRATION', 'BENCHMARK_PLANTS', 'BENCHMARK_CASES',
             'DEVELOPMENT_PLANTS', 'DEVELOPMENT_CASES', 'FINAL_PLANTS',
             'FINAL_CASES', 'FINAL_UNDECLARED_PLANTS', 'FINAL_UNDECLARED_CASES',
-            'FINAL_EFFECT_PLANTS', 'FINAL_EFFECT_CASES'} <= set(RANGES)
+            'FINAL_EFFECT_PLANTS', 'FINAL_EFFECT_CASES', 'FINAL_CHANGE_PLANTS',
+            'FINAL_CHANGE_CASES'} <= set(RANGES)
 
 
 @pytest.mark.parametrize('one, other', list(combinations(sorted(RANGES), 2)))

@@ -109,11 +109,15 @@ def change_jobs(robot_path, count, hours, learned, methods, development=False):
     Return {label: arguments of measure_job} of `count` changes and `hours` of running.
 
     Every plant meets every kind; running goes in parts of half an hour, each cold at its start.
+    More changes than CHANGES are on seeds that no smaller run has seen.
     """
     plants = seeds.DEVELOPMENT_PLANTS[50:] if development else seeds.BENCHMARK_PLANTS
-    own = seeds.DEVELOPMENT_CASES if development else seeds.BENCHMARK_CASES
     # Behind the accuracy suites' and the effects suite's seeds.
-    own, many = own[70_000:], min(PLANTS, -(-count // CASES_PER_PLANT))
+    own = (seeds.DEVELOPMENT_CASES if development else seeds.BENCHMARK_CASES)[70_000:]
+    many = min(PLANTS, -(-count // CASES_PER_PLANT))
+    if count > CHANGES and not development:
+        plants, own = seeds.FINAL_CHANGE_PLANTS, seeds.FINAL_CHANGE_CASES
+        many = min(len(plants), -(-count // CASES_PER_PLANT))
     each, jobs = -(-count // many), {}
     for k in range(count):
         plant = plants[k // each]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..plant import Plant
 from ..plant.effects_file import parse_effects
+from ..plant.hidden.gear import Gap
 from ..plant.plant import Situation
 
 
@@ -54,6 +55,10 @@ def _periods(plant, joint):
     return float(np.argmax(spectrum[1:]) + 1) if spectrum.any() else 0.0
 
 
+def _gap(plant, joint):
+    return float(sum(own.gap[joint] for own in plant.truth.joint_torques if isinstance(own, Gap)))
+
+
 def _held_mass(plant, _):
     return sum(held.load.mass for held in plant.truth.held)
 
@@ -67,11 +72,12 @@ def _push(plant, _):
 
 
 # effect: {parameter of the report: the same of the plant}. Effects whose form differs in the two
-# (cable, backlash, asymmetry, a point mass against ten products) have no common figure.
+# (cable, asymmetry, a point mass against ten products of which motion shows sums) have no common
+# figure.
 COMPARABLE = {
     'rotor_inertia': {'inertia': _of_joint('rotor')},
     'base_tilt': {'angle': _tilt},
-    'gravity_spring': {'stiffness': _amplitude},
+    'gravity_spring': {'stiffness': _amplitude}, 'backlash': {'travel': _gap},
     'coulomb_friction': {'level': _of_joint('coulomb', 'friction')},
     'viscous_friction': {'coefficient': _of_joint('viscous_rest', 'friction')},
     'stribeck_friction': {'level': _of_joint('static', 'friction')},

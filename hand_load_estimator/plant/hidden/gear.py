@@ -43,11 +43,11 @@ class Backlash(HiddenEffect):
 
 
 class Gap:
-    """Where the link is in the gap, per joint; joints without a gap feel nothing."""
+    """Where the link is in the gap (n,) [rad], per joint; joints without one feel nothing."""
 
     def __init__(self, p):
-        self._half, self._inertia = 0.5 * p['gap'], p['inertia']
-        n = len(self._half)
+        self.gap, self._inertia = p['gap'], p['inertia']
+        self._half, n = 0.5 * self.gap, len(self.gap)
         self._place, self._speed, self._pulse, self._torque = np.zeros((4, n))
         self._load, self._apart = None, np.zeros(n, dtype=bool)
 
