@@ -69,7 +69,7 @@ def sentences(diagnosis):
     findings = sorted(diagnosis.findings, key=lambda f: f.verdict != CONFIRMED)
     told = [_sentence(finding, diagnosis) for finding in findings] or [_nothing(diagnosis)]
     if diagnosis.moved_zero:
-        told.insert(0, f'Rather a zero that moved: {diagnosis.moved_zero}')
+        told.insert(0, diagnosis.moved_zero)
     if diagnosis.another_state:
         told.insert(0, 'Rather another arm, or a model of another time, than so many defects: '
                        f'identify {diagnosis.robot} anew')

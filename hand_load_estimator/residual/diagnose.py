@@ -68,7 +68,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
     progress('telling where the residual lives')
     structure = structures(model, ex.better, ex.residual, ex.evidence, ex.warmed[0])
     findings, doubts = _found(model, ex, names, (before, after), structure)
-    findings, moved = moved_zero(findings, model, ex.trace)
+    findings, moved, instead = moved_zero(findings, model, ex.trace)
     findings, between, state = _beyond_recordings(findings, model, ex)
     cannot = [*state, *by_name, *told, *ex.unused, *ex.warmed[1], *slow_joint_states(ex.evidence),
               *ex.still.values(), *expected_changes(model, ex.better, ex.trace),
@@ -91,7 +91,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         rest_of_test.least_structure, (*cannot, *why), recordings=names, tested_on=tested_on,
         seen=() if ex.refitted else seen, refitted=ex.refitted, left_out=left_out,
         seconds=time.monotonic() - began,
-        remains=doubts + drifts + between
+        remains=doubts + instead + drifts + between
         + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
         + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,

@@ -210,8 +210,8 @@ class Diagnosis:
     before and after are of fits without the part kept for the test; left_out [s]: of that part,
     in which something acted from outside; another_state: most joints differ, each by its own
     cause, so that the arm is rather another one than ailing (another_state.py); stated (n,) [Nm]:
-    the error that the model diagnosed states of itself, or None; moved_zero: the sentence of
-    moved_zero.py, or an empty string.
+    the error that the model diagnosed states of itself, or None; moved_zero: the first
+    sentence of moved_zero.py, or an empty string.
     """
 
     robot: str

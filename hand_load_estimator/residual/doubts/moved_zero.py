@@ -24,36 +24,39 @@ _STEP = 1e-4  # [rad] of the derivative
 
 def moved_zero(findings, model, trace):
     """
-    Return (Findings, sentence or ''): suspected is what one joint's zero explains as well.
+    Return (Findings, sentence or '', sentences): suspected is what one joint's zero explains too.
 
     trace: a finished Trace of a Residual of the TorqueModel. Each joint's zero is one figure,
-    asked in the place of all links, springs and leaning bases that were found.
+    asked in the place of all links, springs and leaning bases that were found. The first sentence
+    is the result, the others say what is suspected for it.
     """
     steps = [step for step in trace.steps if step.chosen.name in IMITATED]
-    there = any(f.verdict == CONFIRMED and f.name in IMITATED for f in findings)
-    if not steps or not there:
-        return findings, ''
+    doubted = [f.verdict == CONFIRMED and f.name in IMITATED for f in findings]
+    if not steps or not any(doubted):
+        return findings, '', ()
     blocks, named = trace.beside(*steps), trace.beside()
     gained = sum(float((blocks.misfit(i) - named.misfit(i)).sum()) for i in range(model.robot.n))
-    zeros = [single(zero, blocks.evaluate(zero.columns))
-             for zero in _zeros(model, trace.residual)]
-    best = max(zeros, key=lambda c: c.gain)
+    best = max((single(zero, blocks.evaluate(zero.columns))
+                for zero in _zeros(model, trace.residual)), key=lambda c: c.gain)
     if best.gain < CLOSE * gained or not significant(best):
-        return findings, ''
-    (hypothesis, score), = best.parts
-    angle, std = (float(SCALE * value[0]) for value in
-                  (score.theta, np.sqrt(np.diag(score.covariance))))
-    doubted = [f.verdict == CONFIRMED and f.name in IMITATED for f in findings]
+        return findings, '', ()
+    joint = model.robot.joints[best.joints[0]]
+    # A base leans by two figures: of one against two nobody can say that it is rather the one.
+    only_leans = {f.name for f, d in zip(findings, doubted) if d} == {'base_tilt'}
     return (tuple(replace(f, verdict=SUSPECTED) if d else f for f, d in zip(findings, doubted)),
-            f'the angle of {model.robot.joints[hypothesis.joint]}, recorded {angle:+.4f} ± '
-            f'{2.0 * std:.2g} rad from where the model was made with its zero, explains as much '
-            f'with one figure as {_listed(findings, doubted)}, only suspected therefore; correct '
-            'that zero (mastering, encoder), or identify the arm anew')
+            '' if only_leans else
+            f'Rather the zero of {joint} has moved than anything else that is suspected: its '
+            f'angle is recorded {_told(best)} rad from where it was. Correct it (mastering, '
+            f'encoder), or identify {model.robot.name} anew',
+            tuple(f'{", ".join(f.joints)}: {f.name} is only suspected, because the angle of '
+                  f'{joint}, off by a constant, explains as much with one figure'
+                  for f, d in zip(findings, doubted) if d))
 
 
-def _listed(findings, doubted):
-    return ', '.join(f'{f.name} of {" and ".join(f.joints)}'
-                     for f, d in zip(findings, doubted) if d)
+def _told(zero):
+    """Return the angle [rad] of a Candidate, with two standard deviations."""
+    (_, score), = zero.parts
+    return f'{SCALE * score.theta[0]:+.4f} ± {2.0 * SCALE * score.covariance[0, 0] ** 0.5:.2g}'
 
 
 def _zeros(model, residual):
