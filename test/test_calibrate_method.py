@@ -3,7 +3,7 @@
 from dataclasses import replace
 import json
 
-from core_helpers import block, exact_model, feed, four_axes, messages, warm
+from core_helpers import block, CALIBRATED, exact_model, feed, four_axes, messages, warm
 import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
@@ -17,7 +17,6 @@ from hand_load_estimator.estimators.calibrated import Calibrated
 from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.model_trust import ModelTrust
 from hand_load_estimator.estimators.pipeline import Pipeline
-from hand_load_estimator.estimators.registry import METHODS, with_network
 from hand_load_estimator.learning import shards
 from hand_load_estimator.learning.artefact import arm_of
 from hand_load_estimator.learning.calibrate_method import (calibrate_method, CalibrationRecipe,
@@ -195,11 +194,15 @@ def test_which_intervals_are_at_work_is_told(made, model):
         == 'whole, made with another torque model and learned torque difference'
 
 
-@pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
+@pytest.mark.parametrize('method', CALIBRATED)
 def test_those_shipped_are_taken_by_themselves_and_by_name(method):
     name = f'ur10e_{method}_intervals'
     assert build_pipeline('ur10e', method, intervals=name).intervals == name
     assert build_pipeline('ur10e', method).intervals == name
+
+
+def test_none_are_shipped_that_make_a_method_worse():
+    assert build_pipeline('ur10e', 'least_squares').intervals == 'as the method has them'
 
 
 def test_a_card_that_names_no_model_is_told_as_that(tmp_path):

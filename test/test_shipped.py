@@ -2,6 +2,7 @@
 
 import json
 
+from core_helpers import CALIBRATED
 import numpy as np
 import pytest
 
@@ -12,7 +13,7 @@ from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import (build_method, build_pipeline,
                                                   shipped_artefact, shipped_difference)
 from hand_load_estimator.estimators.load_prior import load_prior
-from hand_load_estimator.estimators.registry import METHODS, ON_DIFFERENCE, with_network
+from hand_load_estimator.estimators.registry import ON_DIFFERENCE
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.learning.artefact import read_artefact
 from hand_load_estimator.learning.difference_artefact import read_difference
@@ -133,8 +134,8 @@ def test_a_benchmark_runs_calibrated_intervals_where_it_is_asked_to(light_and_he
     assert (factors[4:] < 0.95).all(), 'the moments of inertia, which bayes states too wide'
 
 
-@pytest.mark.parametrize('method', [name for name in METHODS if not with_network(name)])
-def test_every_method_without_a_network_has_calibrated_intervals_to_ask_for(method):
+@pytest.mark.parametrize('method', CALIBRATED)
+def test_methods_without_a_network_have_calibrated_intervals_to_ask_for(method):
     """They hold about 95 % of draws that they were not made from, and the prior stays."""
     model = read_model(find_shared('ur10e', 'models'))
     folder = find_shared(f'ur10e_{method}_intervals', 'learned')
