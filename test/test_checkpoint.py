@@ -11,7 +11,7 @@ from safetensors.numpy import load_file
 from hand_load_estimator.estimators.checkpoint import (belongs_to, CheckpointError,
                                                        read_checkpoint, restore_checkpoint,
                                                        write_checkpoint)
-from hand_load_estimator.estimators.pipeline import CONFIRMED
+from hand_load_estimator.estimators.pipeline import CONFIRMED_AFTER
 
 MASS = 3.0
 
@@ -68,7 +68,7 @@ def test_until_motion_it_says_where_it_comes_from(model, before, path):
     assert all('as it was 10 s before; 0.0 s of motion since' in e.reason for e in still)
     assert not any(e.determined.any() for e in still)
     # Soon after it moves, it is what it was.
-    moving = [e for e in estimates if e.stamp > 121.0 + CONFIRMED + 0.3]
+    moving = [e for e in estimates if e.stamp > 121.0 + CONFIRMED_AFTER + 0.3]
     assert {e.status for e in moving} == {'DETERMINED'} and pipeline.load_id == 0
     assert abs(estimates[-1].mean[0] - MASS) < 3.5 * estimates[-1].std[0]
     assert estimates[-1].std[0] < 1.05 * before.estimate(0.0).std[0]

@@ -1,9 +1,11 @@
 """The estimator node is killed and goes on; it suggests a motion; it knows its tool."""
 
+from dataclasses import replace
 from functools import lru_cache
 import math
 from pathlib import Path
 import signal
+import time
 
 from arm_data import arm_samples, box, Feeder
 from core_helpers import block, exact_model, feed, messages, pipeline_of, warm
@@ -67,6 +69,26 @@ def test_the_keeper_writes_the_newest_state_and_restores_it(pipeline, tmp_path):
     np.testing.assert_allclose(fresh.method.belief().mean, pipeline.method.belief().mean,
                                rtol=1e-3, atol=1e-4)
     again.stop(fresh)
+
+
+def test_what_nothing_confirmed_does_not_grow_younger(pipeline, tmp_path):
+    path, model = tmp_path / 'c', exact_model('four')
+    write_checkpoint(path, pipeline.state(), belongs_to(pipeline), now=time.time() - 50.0)
+    keeper, fresh = CheckpointKeeper(str(path), 60.0), warm(pipeline_of(model))
+    keeper.restore(fresh)
+    written = path.stat().st_mtime_ns
+    later = [replace(m, stamp=m.stamp + 20.0) for m in messages(model, block(2.0), 2.0, rest=1.0)]
+    feed(fresh, later[:80])
+    assert fresh.unconfirmed and fresh.samples > 50
+    keeper.keep(fresh)
+    keeper.stop(fresh)
+    assert path.stat().st_mtime_ns == written
+    feed(fresh, later[80:])
+    assert not fresh.unconfirmed
+    again = CheckpointKeeper(str(path), 60.0)
+    again.keep(fresh)
+    again.stop(fresh)
+    assert path.stat().st_mtime_ns > written
 
 
 def test_what_is_in_the_file_already_is_not_written_again(pipeline, tmp_path):

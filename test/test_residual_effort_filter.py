@@ -3,7 +3,7 @@
 import numpy as np
 from residual_helpers import a_little_late, declared_model, diagnosed
 
-from hand_load_estimator.residual.diagnosis import CONFIRMED
+from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.tracing.effort_filter import EFFORT_FILTER
 
 LAG = 0.06
@@ -20,8 +20,10 @@ def lagging(run):
 def test_a_filtered_effort_is_no_delay_for_sure():
     diagnosis, _ = diagnosed(lagging)
     (finding,) = [f for f in diagnosis.findings if f.name == 'time_delay']
+    assert finding.verdict == SUSPECTED
     assert EFFORT_FILTER in [other.name for other in finding.alternatives]
     assert 'slowly and quickly' in finding.advice
+    assert any('a filter of the effort explains surely more' in text for text in diagnosis.remains)
 
 
 def test_neither_is_a_delay_of_a_few_milliseconds():

@@ -78,10 +78,14 @@ def test_the_average_of_what_drifts_is_only_suspected():
         return replace(finding(UNKNOWN, joint), verdict=SUSPECTED, variables=variables)
     named = (finding('torque_offset', 0), finding('torque_ripple', 0), finding('torque_offset', 1),
              finding('torque_offset', 2), unknown(0, 'time'), unknown(1, 'position', 'time'))
-    found, said = drifting(named)
+    time = replace(following([0.0] * 4), share={'time': np.array([0.9, 0.2, 0.9, 0.9])},
+                   chance={'time': np.full(4, 0.01)})
+    found, said = drifting(named, JOINTS, (time, time))
     assert [f.verdict for f in found] == [SUSPECTED, *[CONFIRMED] * 3, SUSPECTED, SUSPECTED]
     (sentence,) = said
     assert sentence.startswith(f'{JOINTS[0]}: torque_offset is only suspected')
+    # What rings has no name either, and no average.
+    assert drifting(named, JOINTS, (following([0.0] * 4),) * 2) == (named, ())
 
 
 def test_an_effort_that_drifts_has_no_new_offset():

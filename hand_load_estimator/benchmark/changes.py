@@ -109,7 +109,7 @@ def change_jobs(robot_path, count, hours, learned, methods, development=False):
     Return {label: arguments of measure_job} of `count` changes and `hours` of running.
 
     Every plant meets every kind; running goes in parts of half an hour, each cold at its start.
-    More changes than CHANGES are on seeds that no smaller run has seen.
+    More changes than CHANGES are on other seeds, of arms enough.
     """
     plants = seeds.DEVELOPMENT_PLANTS[50:] if development else seeds.BENCHMARK_PLANTS
     # Behind the accuracy suites' and the effects suite's seeds.

@@ -21,7 +21,7 @@ STANDING = 0.02
 CHANGE_SHOWN = 1.0
 # Motion [s] after which a load that was restored from a file is the one still held: another one
 # is seen within 0.2 s nearly always.
-CONFIRMED = 0.5
+CONFIRMED_AFTER = 0.5
 
 
 class TareError(HandLoadError):
@@ -84,6 +84,11 @@ class Pipeline:
     def load_id(self):
         """Number of load changes seen."""
         return self._changes_before + self.method.changes
+
+    @property
+    def unconfirmed(self):
+        """Whether the load was restored and may have been exchanged meanwhile."""
+        return bool(self._restored)
 
     @property
     def tared_mass(self):
@@ -149,7 +154,7 @@ class Pipeline:
     def _confirm(self, moved):
         """Tell by `moved` [s] of motion more whether what was restored is still held."""
         self._moved += moved
-        if self._moved >= CONFIRMED or self.method.changes:
+        if self._moved >= CONFIRMED_AFTER or self.method.changes:
             self._restored = ''
 
     def settle(self):
@@ -270,7 +275,7 @@ class Pipeline:
         """Return in words why no motion was seen, or too little."""
         if self._restored:
             return (f'the load is taken {self._restored}; {self._moved:.1f} s of motion since, and '
-                    f'{CONFIRMED:g} s confirm or refute it')
+                    f'{CONFIRMED_AFTER:g} s confirm or refute it')
         rejected = joint_states_of(self._stream.rejected)
         if sum(rejected.values()) > self.samples:
             return (f'most joint states are rejected: {in_words(rejected)}; no joint that carries '

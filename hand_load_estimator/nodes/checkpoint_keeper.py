@@ -52,8 +52,13 @@ class CheckpointKeeper:
         return f', and the file is {aside} now'
 
     def keep(self, pipeline, even_if_old=False):
-        """Hand the Pipeline's state to the writer when there are data the file does not have."""
-        if self._path is None or (pipeline.samples == self._seen and not even_if_old):
+        """
+        Hand the Pipeline's state to the writer when there are data the file does not have.
+
+        What was restored and has seen no motion yet is as old as the file says.
+        """
+        if self._path is None or not even_if_old and (
+                pipeline.samples == self._seen or pipeline.unconfirmed):
             return
         self._seen = pipeline.samples
         self._hand_over((pipeline.state(), belongs_to(pipeline)))

@@ -37,6 +37,7 @@ from .measured.structure import structures
 from .outside.disturbance_findings import findings_again
 from .outside.standing_diagnosis import diagnose_standing, only_stands
 from .stated_shapes import with_stated_shapes
+from .tracing.effort_filter import without_filters
 from .tracing.saturating import gains_in_doubt
 from .tracing.soft_end import soft_end_doubts
 from .tracing.trace import ROUNDS
@@ -80,7 +81,7 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
               *_nearly(model.robot, ex.trace, findings, _structured(rest_of_test))]
     findings += mostly_structure(model.robot, ex.residual, ex.rest, findings, structure,
                                  ex.trace.trials)
-    findings, drifts = drifting(findings)
+    findings, drifts = drifting(findings, model.robot.joints, structure)
     warm = within_unknown_temperature(model, ex.evidence, ex.residual, ex.rest)
     findings, why = without_unknown_temperature(findings, model.robot, warm, ex.residual, ex.rest)
     better = with_stated_shapes(ex.better, findings)
@@ -121,6 +122,7 @@ def _found(model, ex, names, errors, structure):
     findings += once + unknown_left(model, ex.residual, ex.rest, left, trace, structure)
     findings, doubts = refuted(findings, joints, *errors,
                                lambda k: _errors_without(model, ex, trace.steps[k]))
+    findings, filters = without_filters(findings)
     findings, kinds = of_another_kind(findings, ex.residual.interval,
                                       faint_in(model, better, trace))
     findings, unsure = without_unsure(findings, unsure_in(model, better, trace))
@@ -129,7 +131,7 @@ def _found(model, ex, names, errors, structure):
     findings, further = further_terms(findings, model, ex.residual)
     if ex.residual.cut.shown is not None:
         findings = only_suspected(findings)
-    return findings, wrong + kinds + unsure + small + further + doubts + gone + soft
+    return findings, filters + wrong + kinds + unsure + small + further + doubts + gone + soft
 
 
 def _errors_without(model, ex, step):

@@ -45,16 +45,22 @@ def warmed_joints(model, evidence):
         return (), [f'cannot tell effects of temperature because the joints differ by only '
                     f'{max(spans):.1f} K over all recordings; {LEAST_WARMING:g} K are needed']
     why = [f'it differs by only {span:.1f} K; {LEAST_WARMING:g} K are needed' if len(column)
-           else _none(evidence) for span, column in zip(spans, known)]
+           else 'none was recorded' + ', or none that was usable' * bool(_refused(evidence))
+           for span, column in zip(spans, known)]
     return warmed, [*_without_temperature(evidence), *(
         f'cannot tell effects of temperature of {model.robot.joints[j]} because {why[j]}'
         for j in range(model.robot.n) if j not in warmed)]
 
 
+def _refused(evidence):
+    """Return how many readings of recordings were no temperature of a joint."""
+    counts = {e.mark: e.rejected.get('implausible_temperature', 0) for e in evidence}
+    return sum(counts.values())
+
+
 def _none(evidence):
     """Return in words why a temperature is not known."""
-    refused = {e.mark: e.rejected.get('implausible_temperature', 0) for e in evidence}
-    count = sum(refused.values())
+    count = _refused(evidence)
     return (f'{count} readings are no temperature of a joint in degC (kelvin? try `hand_load '
             'check`)') if count else 'none was recorded'
 

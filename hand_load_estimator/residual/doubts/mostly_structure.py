@@ -47,14 +47,16 @@ def mostly_structure(robot, residual, rest, findings, structure, trials):
     return tuple(found)
 
 
-def drifting(findings):
+def drifting(findings, joints, structure):
     """
     Return (Findings, sentences): suspected is what may be the average of something that drifts.
 
-    That is at joints of whose residual the larger part is structure that follows time.
+    That is at joints, of these names, of whose residual the larger part is structure of which time
+    foretells the larger part; structure: (Structure before, Structure after).
     """
-    drift = {name for f in findings if f.name == UNKNOWN and f.variables[:1] == (TIME,)
-             for name in f.joints}
+    follows = dict(zip(joints, map(dict, not_named(structure, joints))))
+    drift = {name for f in findings if f.name == UNKNOWN
+             for name in f.joints if follows[name].get(TIME, 0.0) > SHARE}
     only = [f.verdict == CONFIRMED and f.name in _AVERAGES and drift >= set(f.joints)
             for f in findings]
     return (tuple(replace(f, verdict=SUSPECTED) if o else f for f, o in zip(findings, only)),

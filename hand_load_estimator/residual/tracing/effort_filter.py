@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..diagnosis import Alternative
-from .candidate import ahead, alike, evaluated, hypotheses_of, with_hypotheses
+from ..diagnosis import Alternative, CONFIRMED, SUSPECTED
+from .candidate import ahead, alike, evaluated, hypotheses_of, SIGMAS, with_hypotheses
 
 EFFORT_FILTER = 'effort_filter'
 # A lag is delays of all lengths: these, of its time constant, stand for them.
@@ -28,6 +28,16 @@ def filtered_instead(robot, candidate, blocks, residual):
     less = ahead(delayed, filtered)
     return [Alternative(EFFORT_FILTER, tuple(robot.joints[j] for j in candidate.joints),
                         less.gain, less.std)]
+
+
+def without_filters(findings):
+    """Return (Findings, sentences): suspected are delays that a filter surely explains better."""
+    better = [f.verdict == CONFIRMED and any(
+        other.name == EFFORT_FILTER and other.behind < -SIGMAS * other.std
+        for other in f.alternatives) for f in findings]
+    return (tuple(replace(f, verdict=SUSPECTED) if b else f for f, b in zip(findings, better)),
+            tuple(f'{", ".join(f.joints)}: {f.name} is only suspected, because a filter of the '
+                  'effort explains surely more' for f, b in zip(findings, better) if b))
 
 
 def _lagging(hypothesis, x):
