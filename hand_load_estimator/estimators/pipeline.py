@@ -274,8 +274,8 @@ class Pipeline:
     def _why_waiting(self):
         """Return in words why no motion was seen, or too little."""
         if self._restored:
-            return (f'the load is taken {self._restored}; {self._moved:.1f} s of motion since, and '
-                    f'{CONFIRMED_AFTER:g} s confirm or refute it')
+            return (f'the load is taken {self._restored}; {self._moved:.1f} s of motion since, '
+                    f'and {CONFIRMED_AFTER:g} s confirm or refute it')
         rejected = joint_states_of(self._stream.rejected)
         if sum(rejected.values()) > self.samples:
             return (f'most joint states are rejected: {in_words(rejected)}; no joint that carries '

@@ -68,8 +68,8 @@ class EstimatorNode(Node):
         self._base, self._last_stamp = StampBase(), None
         self._newest = self._arrived = None
         self._last_status = self._drawn_next = None
-        # By stamps, since simulated time may run faster than the clock on the wall; while they stop,
-        # by that one.
+        # By stamps, since simulated time may run faster than the clock on the wall; by that one
+        # while they stop.
         self._status_throttle, self._told_lately = Throttle(1.0 / _STATUS_PERIOD), False
         self._input = InputReport()
         self._create_outputs()

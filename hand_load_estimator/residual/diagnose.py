@@ -96,7 +96,8 @@ def diagnose(model, evidence, test=(), progress=lambda text: None):
         + gains_in_doubt(findings, ex.trace.steps, model.robot.joints)
         + sentences_on(structure, model.robot.joints),
         structure=structure, sliding=_sliding(ex.better, ex.test), noise_most=rest_of_test.most,
-        another_state=bool(state), moved_zero=moved, stated=np.hypot(model.residuals.rmse, np.where(
+        another_state=bool(state), moved_zero=moved,
+        stated=np.hypot(model.residuals.rmse, np.where(
             warm, ex.residual.expected, 0.0))), correction), better
 
 
