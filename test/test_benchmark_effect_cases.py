@@ -30,7 +30,7 @@ def test_the_suite_holds_what_the_issue_asks_for():
     suite = suite_cases(ur10e())
     assert Counter(c.kind for c in suite) == {
         'single': 132, 'pair': 12, 'same_joint': 8, 'common': 6, 'clean': 20, 'blind': 20,
-        'outside': 18}
+        'alone': 20, 'outside': 18}
     assert len({c.label for c in suite}) == len(suite)
     singles = Counter((h.name, h.strength) for c in suite if c.kind == 'single' for h in c.hidden)
     names = set(EFFECTS) - set(NOT_IN_VOCABULARY)

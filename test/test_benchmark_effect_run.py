@@ -1,5 +1,6 @@
 """Runs of the effects suite: from plant to result and page, resumed or broken off."""
 
+from dataclasses import replace
 import json
 
 from core_helpers import four_axes
@@ -173,3 +174,12 @@ def test_recordings_of_an_arm_without_sensors_hold_no_temperature():
         np.testing.assert_array_equal(after.torque, before.torque)
         np.testing.assert_array_equal(after.motion.q, before.motion.q)
     assert blind.loaded == ('loaded',)
+
+
+def test_of_one_recording_each_plant_has_another(small):
+    case = EffectCase('alone', PLANT)
+    whole, one = (effect_measure.prepared(replace(case, kind=kind), [], small).recordings
+                  for kind in ('clean', 'alone'))
+    (only,) = one.evidence
+    assert only.name == whole.evidence[PLANT % len(whole.evidence)].name
+    assert len(whole.evidence) > 1 and len(one.test) == len(whole.test)

@@ -36,7 +36,7 @@ def test_totals_and_goals_are_judged_on_the_figures():
     total = totals(results())
     assert total['single'] == [3, 1] and total['pairs'] == [1, 0]
     assert total['outside'] == [1, 1] and total['clean'] == [1, 1]
-    assert total['blind'] == [0, 0]
+    assert total['blind'] == total['alone'] == [0, 0]
     assert confusions(results()) == {'time_delay': {'backlash': 1}}
     assert pair_rows(results())[0]['outcomes'] == ['found', 'missed']
     rows = {what: (value, good) for what, _, value, good in verdicts(total)}

@@ -14,6 +14,7 @@ from .effect_truth import true_change
 SINGLE, PAIR, CLEAN, OUTSIDE = 'single', 'pair', 'clean', 'outside'
 # None at all, and nobody recorded the temperatures.
 BLIND = 'blind'
+ALONE = 'alone'           # clean, and one recording is all there is
 # One effect of the same size on all joints, and two on one joint.
 COMMON, SAME_JOINT = 'common', 'same_joint'
 # Effects of the plant that no model knows, and the variable that a report has to name, one of
@@ -76,7 +77,7 @@ def suite_cases(robot, development=False):
     plants = plants_of(development)
     cases = [*_singles(robot, plants), *_pairs(robot, plants), *_outside(robot, plants),
              *_common(plants), *_same_joint(robot, plants),
-             *(EffectCase(kind, plant) for kind in (CLEAN, BLIND) for plant in plants)]
+             *(EffectCase(kind, plant) for kind in (CLEAN, BLIND, ALONE) for plant in plants)]
     return sorted(cases, key=lambda case: case.plant)
 
 

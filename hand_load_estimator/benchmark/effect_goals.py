@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .effect_cases import BLIND, CLEAN
+from .effect_cases import ALONE, BLIND, CLEAN
 from .share import share_text
 
 # Torque and mass error over those of the same plant without the effect; seconds of a diagnosis.
@@ -36,7 +36,10 @@ def verdicts(total):
                         total['suspected'][CLEAN]),
              _clean('confirmed where nothing is hidden and no temperature was recorded',
                     total['blind']),
-             _suspected('only suspected there, likewise', total['suspected'][BLIND])]
+             _suspected('only suspected there, likewise', total['suspected'][BLIND]),
+             _clean('confirmed where nothing is hidden and one recording of 44 s is all',
+                    total['alone']),
+             _suspected('only suspected in one recording, likewise', total['suspected'][ALONE])]
     confirmed, false = total['confirmed']
     rows.append(('false among all findings confirmed, any strength', 'told',
                  share_text(false, confirmed), None) if confirmed else None)

@@ -1,6 +1,6 @@
 """One case from plant to result: hide the effects, record, diagnose, judge the better model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import time
 
 import numpy as np
@@ -9,7 +9,7 @@ from ..errors import ConfigurationError
 from ..plant.effects_file import parse_effects
 from ..report.diagnosis_json import diagnosis_content
 from ..robot import load_robot
-from .effect_cases import BLIND, place
+from .effect_cases import ALONE, BLIND, place
 from .effect_errors import differences, mass_errors, rms, torque_rmse
 from .effect_outcome import naming
 from .effect_recordings import (new_arm, NewArm, record, Recordings, tested_floors,
@@ -64,6 +64,10 @@ def prepared(case, entries, robot_path):
     recordings = record(arm.model.robot, case.plant, effects)
     if case.kind == BLIND:
         recordings = without_temperatures(recordings)
+    if case.kind == ALONE:
+        # Each motion and temperature on some of the plants.
+        k = case.plant % len(recordings.evidence)
+        recordings = replace(recordings, evidence=recordings.evidence[k:k + 1])
     return Prepared(arm, recordings, tuple(tested_floors(arm.model, case.plant, effects)))
 
 

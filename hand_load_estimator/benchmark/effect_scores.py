@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 
 from ..residual.diagnosis import CONFIRMED, SUSPECTED
-from .effect_cases import (BLIND, CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR, SAME_JOINT,
-                           SINGLE)
+from .effect_cases import (ALONE, BLIND, CLEAN, COMMON, FROM_OUTSIDE, MEDIUM, OUTSIDE, PAIR,
+                           SAME_JOINT, SINGLE)
 from .effect_errors import MASS_MOMENTS
 from .effect_outcome import BOTH, FOUND, judge, kept_out, RIGHT
 
@@ -189,8 +189,9 @@ def totals(results):
         'outside': _right(_of_kind(tried(results), OUTSIDE)),
         'clean': _found_in(_of_kind(measured(results), CLEAN)),
         'blind': _found_in(_of_kind(measured(results), BLIND)),
+        'alone': _found_in(_of_kind(measured(results), ALONE)),
         'suspected': {kind: _suspected_in(_of_kind(measured(results), kind))
-                      for kind in (CLEAN, BLIND)},
+                      for kind in (CLEAN, BLIND, ALONE)},
         'confirmed': _confirmed(measured(results)),
         'both_named': sum(judge(r)[0][0]['outcome'] == BOTH for r in effects),
         'false_beside': sum(len(judge(r)[1]) for r in effects
