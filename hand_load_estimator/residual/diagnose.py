@@ -22,6 +22,7 @@ from .doubts.moved_zero import moved_zero
 from .doubts.not_named import sentences_on
 from .doubts.odd_recording import odd_recordings
 from .doubts.spring_beside_cable import further_terms
+from .doubts.temperatures_not_felt import not_felt
 from .doubts.time_left import long_loads, many_rejected
 from .doubts.unfounded import (faint_in, of_another_kind, small_beside_others, unsure_in,
                                without_unsure)
@@ -182,8 +183,9 @@ def _rms(errors):
 def _beyond_recordings(findings, model, ex):
     """Return Findings that recordings of these temperatures, and of this arm, can confirm; why."""
     findings, between = between_two_temperatures(findings, model.robot.joints, ex.evidence)
+    findings, unfelt = not_felt(findings, model, ex.better, ex.warmed[0])
     findings, state = of_another_state(findings, model, ex.residual)
-    return findings, between, state
+    return findings, between + unfelt, state
 
 
 def _unfinished(trace):
