@@ -45,25 +45,25 @@ class Turning:
     The way in which friction turns: what is left of the way to a level, of shapes that fit.
 
     power: 1 / (1 - i) of Dahl's exponent i, infinite for i = 1 and at least 1, where friction
-    rises like a spring up to its level.
+    rises like a spring up to its level. endless: whether it is infinite everywhere.
     """
 
     def __init__(self, power):
         self._finite = np.isfinite(power)
-        self._all, self._none = self._finite.all(), not self._finite.any()
+        self._all, self.endless = self._finite.all(), not self._finite.any()
         self._power = np.where(self._finite, power, 1.0)
         self._root = 1.0 / self._power
 
     def bends(self, way):
         """Return what `after` takes of ways in travels: any number of them at once."""
-        if self._none:
+        if self.endless:
             return np.exp(-way)
         along = way * self._root
         return along if self._all else np.where(self._finite, along, np.exp(-way))
 
     def after(self, left, bend):
         """Return what is left of `left` after the way of a bend."""
-        if self._none:
+        if self.endless:
             return left * bend
         along = np.maximum(left ** self._root - bend, 0.0) ** self._power
         return along if self._all else np.where(self._finite, along, left * bend)

@@ -93,7 +93,6 @@ class _Contacts:
 
     def __init__(self, travels, powers):
         self._travels, self._turning = travels, Turning(powers)
-        self._endless = not np.isfinite(powers).any()
         self.friction = np.zeros(len(travels))
 
     def ways(self, moved, levels):
@@ -127,7 +126,7 @@ class _Contacts:
 
     def bend_along(self, directions, bends, levels):
         """Return what `bend` does of N samples (N, ...), one after the other."""
-        if self._endless:
+        if self._turning.endless:
             return self._clipped_along(bends, directions * (1.0 if levels is None else levels))
         rows = zip(directions, bends, repeat(None) if levels is None else levels)
         return np.array([self.bend(*row) for row in rows])
