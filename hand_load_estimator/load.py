@@ -22,7 +22,13 @@ PRODUCT_ORDER = ('m', 'mx', 'my', 'mz', 'Ixx', 'Ixy', 'Iyy', 'Ixz', 'Iyz', 'Izz'
 # row, column of the symmetric tensor for each place of the six in message order
 _MESSAGE_TENSOR = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _PRODUCT_TENSOR = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
-_PRODUCT_OF_MESSAGE = [4 + _PRODUCT_TENSOR.index(ij) for ij in _MESSAGE_TENSOR]
+_PRODUCT_OF_MESSAGE = np.array([4 + _PRODUCT_TENSOR.index(ij) for ij in _MESSAGE_TENSOR])
+_MESSAGE_OF_PRODUCT = np.array([4 + _MESSAGE_TENSOR.index(ij) for ij in _PRODUCT_TENSOR])
+# Steiner's term of each second moment in product order is c^T _STEINER[k] c per mass.
+_STEINER = np.array([(i == j) * np.eye(3) - 0.5 * (np.outer(np.eye(3)[i], np.eye(3)[j])
+                                                   + np.outer(np.eye(3)[j], np.eye(3)[i]))
+                     for i, j in _PRODUCT_TENSOR])
+_OF_PAIRS = np.ascontiguousarray(_STEINER.reshape(6, 9).T)
 
 
 def _read_only(value, shape, what):
@@ -110,15 +116,17 @@ class LoadParameters:
 def products_from_message(vector):
     """Return (..., 10) products of (..., 10) vectors in message order."""
     vector = np.asarray(vector, dtype=float)
-    m, c = vector[..., 0], vector[..., 1:4]
+    m, c = vector[..., :1], vector[..., 1:4]
     out = np.empty_like(vector)
-    out[..., 0] = m
-    out[..., 1:4] = m[..., None] * c
-    cc = np.sum(c * c, axis=-1)
-    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
-        steiner = (cc if i == j else 0.0) - c[..., i] * c[..., j]
-        out[..., _PRODUCT_OF_MESSAGE[k]] = vector[..., 4 + k] + m * steiner
+    out[..., :1] = m
+    out[..., 1:4] = m * c
+    out[..., 4:] = vector[..., _MESSAGE_OF_PRODUCT] + m * _steiner(c)
     return out
+
+
+def _steiner(c):
+    """Return (..., 6) in product order: inertia per mass that a shift by c (..., 3) adds."""
+    return (c[..., :, None] * c[..., None, :]).reshape(c.shape[:-1] + (9,)) @ _OF_PAIRS
 
 
 def message_from_products(products):
@@ -128,16 +136,13 @@ def message_from_products(products):
     Where the mass is zero the centre of mass has no meaning; it comes out as zero.
     """
     products = np.asarray(products, dtype=float)
-    m = products[..., 0]
-    safe = np.where(np.abs(m) > 1e-12, m, 1.0)
-    c = np.where(np.abs(m)[..., None] > 1e-12, products[..., 1:4] / safe[..., None], 0.0)
+    m = products[..., :1]
+    there = np.abs(m) > 1e-12
+    c = np.where(there, products[..., 1:4] / np.where(there, m, 1.0), 0.0)
     out = np.empty_like(products)
-    out[..., 0] = m
+    out[..., :1] = m
     out[..., 1:4] = c
-    cc = np.sum(c * c, axis=-1)
-    for k, (i, j) in enumerate(_MESSAGE_TENSOR):
-        steiner = (cc if i == j else 0.0) - c[..., i] * c[..., j]
-        out[..., 4 + k] = products[..., _PRODUCT_OF_MESSAGE[k]] - m * steiner
+    out[..., 4:] = (products[..., 4:] - m * _steiner(c))[..., _PRODUCT_OF_MESSAGE - 4]
     return out
 
 
@@ -160,13 +165,6 @@ def message_jacobian_of_shape(shape):
     return jacobian
 
 
-# Steiner's term of each second moment in product order is c^T _STEINER[k] c per mass.
-_STEINER = np.array([(i == j) * np.eye(3) - 0.5 * (np.outer(np.eye(3)[i], np.eye(3)[j])
-                                                   + np.outer(np.eye(3)[j], np.eye(3)[i]))
-                     for i, j in _PRODUCT_TENSOR])
-_SHAPE_OF_PRODUCT = [4 + _MESSAGE_TENSOR.index(ij) for ij in _PRODUCT_TENSOR]
-
-
 def _jacobian_coefficients():
     """Return (31, 10, 10): d products / d shape as coefficients of _terms()."""
     # Pairs of (1, m, x, y, z), then g; no entry needs more than that.
@@ -174,7 +172,7 @@ def _jacobian_coefficients():
     pairs[0, 0, 0, 0] = 1.0
     for axis in range(3):
         pairs[0, 2 + axis, 1 + axis, 0] = pairs[0, 1, 1 + axis, 1 + axis] = 1.0
-    for k, place in enumerate(_SHAPE_OF_PRODUCT):
+    for k, place in enumerate(_MESSAGE_OF_PRODUCT):
         g[place - 4, 4 + k, 0] = pairs[0, 1, 4 + k, place] = 1.0
         pairs[2:, 2:, 4 + k, 0] = _STEINER[k]
         pairs[1, 2:, 4 + k, 1:4] = 2.0 * _STEINER[k]
@@ -186,13 +184,16 @@ _JACOBIAN = _jacobian_coefficients().reshape(31, 100)
 _PER_MASS = np.ascontiguousarray(_JACOBIAN[:, ::10])
 
 
+# Of each monomial, which of (1, shape).
+_FACTORS = np.array([(i, j) for i in range(5) for j in range(5)]
+                    + [(0, k) for k in range(5, 11)]).T
+
+
 def _terms(shape):
     """Return (..., 1, 31): the monomials that the Jacobian of the products is linear in."""
-    lead = np.empty(shape.shape[:-1] + (5,))
-    lead[..., 0], lead[..., 1:] = 1.0, shape[..., :4]
-    pairs = lead[..., :, None] * lead[..., None, :]
-    terms = np.concatenate([pairs.reshape(shape.shape[:-1] + (25,)), shape[..., 4:]], axis=-1)
-    return terms[..., None, :]
+    lead = np.empty(shape.shape[:-1] + (1, 11))
+    lead[..., 0], lead[..., 0, 1:] = 1.0, shape
+    return lead.take(_FACTORS[0], -1) * lead.take(_FACTORS[1], -1)
 
 
 def products_from_shape(shape):
@@ -220,7 +221,7 @@ def products_jacobian_of_message(vector):
     massless[..., 4:] = 0.0
     jacobian = products_jacobian_of_shape(massless)
     # The inertia stands beside the mass here, not per mass.
-    jacobian[..., range(4, 10), _SHAPE_OF_PRODUCT] = 1.0
+    jacobian[..., range(4, 10), _MESSAGE_OF_PRODUCT] = 1.0
     return jacobian
 
 

@@ -10,6 +10,7 @@ F[tau] = F[K] m; what K at the filtered motion is short of F[K] is made up for (
 """
 
 from dataclasses import dataclass, fields
+import math
 
 import numpy as np
 
@@ -107,12 +108,16 @@ class MotionFilter:
         self._period = 0.0
 
     def update(self, stamp, q, v, effort):
-        """Return a MotionSample when one is due, else None. stamp must increase."""
+        """
+        Return a MotionSample when one is due, else None.
+
+        stamp [s] must increase; q, v, effort (n,); v is NaN altogether where it is not measured.
+        """
         signal = np.array((q, v, effort))
         if self._state is not None and stamp - self._stamp > LONGEST_GAP:
             self.gaps += 1
             self._state = None
-        if self._state is None or np.isnan(v).any() != self._without_velocity:
+        if self._state is None or math.isnan(v[0]) != self._without_velocity:
             return self._start(stamp, signal)
         dt = stamp - self._stamp
         if dt > SPARSE:
@@ -130,7 +135,7 @@ class MotionFilter:
         return self._sample(stamp)
 
     def _start(self, stamp, signal):
-        self._without_velocity = bool(np.isnan(signal[1]).any())
+        self._without_velocity = math.isnan(signal[1, 0])
         if self._without_velocity:
             signal[1] = 0.0
         # The filter starts as if the first reading had stood for ever, which is exact at rest;

@@ -92,6 +92,8 @@ class Robot:
         self.stops = _stops(self.model)
         self.limits = _limits(file, self.stops)
         self._data = self.model.createData()
+        # The same arm under the two parts of gravity's change by a turn.
+        self._turned, self._turned_by = (self.model.copy(), self.model.copy()), None
         frame = self.model.frames[self.model.getFrameId(file.load_frame)]
         if frame.parentJoint != self.n:
             raise ConfigurationError(f'{file.where}: load_frame', 'is not fixed to the last joint',
@@ -154,7 +156,7 @@ class Robot:
         links (10 n,): products; angles (2,) [rad]: about the tilt axes, as one rotation vector.
         The columns times these angles are all that the turn changes; at zero, to first order.
         """
-        return np.stack([y @ links for y in self._tilted(q, angles)], axis=-1)
+        return np.array([y @ links for y in self._tilted(q, angles)]).T
 
     def tilted_load_columns(self, q, angles=(0.0, 0.0)):
         """Return (2, n, 10): the same of a load, as columns for its products."""
@@ -172,11 +174,6 @@ class Robot:
         first /= np.linalg.norm(first)
         return np.array([first, np.cross(first, down)])
 
-    @cached_property
-    def _across_gravity(self):
-        """Vectors (2, 3) across gravity and the tilt axes."""
-        return np.cross(self.tilt_axes(), self.model.gravity.linear)
-
     def _gravity_changes(self, angles):
         """
         Return (2, 3): vectors whose sum, weighed with angles (2,) [rad], is gravity's change.
@@ -184,21 +181,19 @@ class Robot:
         Rodrigues' rotation; its axis lies across gravity, which leaves sine and cosine. A load's
         weight loses 1 - cosine even where the links' masses were fitted without it.
         """
-        angles, gravity = np.asarray(angles, dtype=float), self.model.gravity.linear
-        if not angles.any():
-            return self._across_gravity
-        size = np.linalg.norm(angles)
+        gravity, size = self.model.gravity.linear, np.linalg.norm(angles)
         shortened = 0.5 * np.sinc(0.5 * size / np.pi) ** 2 * np.outer(angles, gravity)
-        return np.sinc(size / np.pi) * self._across_gravity - shortened
+        return np.sinc(size / np.pi) * np.cross(self.tilt_axes(), gravity) - shortened
 
     def _tilted(self, q, angles):
-        zero, gravity = np.zeros(self.n), self.model.gravity.linear.copy()
-        columns = []
-        for change in self._gravity_changes(angles):
-            self.model.gravity.linear = change
-            columns.append(self.link_regressor(q, zero, zero))
-            self.model.gravity.linear = gravity
-        return columns
+        """Return Y (n, 10 n) at rest in each part of gravity's change."""
+        angles, rest = tuple(angles), np.zeros(self.n)
+        if angles != self._turned_by:
+            for model, change in zip(self._turned, self._gravity_changes(angles)):
+                model.gravity.linear = change
+            self._turned_by = angles
+        return [pin.computeJointTorqueRegressor(model, self._data, q, rest, rest).copy()
+                for model in self._turned]
 
     def hand_jacobian(self, q):
         """Return (3, n): velocity of the load frame's origin, in base axes, per joint speed."""

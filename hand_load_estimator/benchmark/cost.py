@@ -1,5 +1,6 @@
 """The cost suite: what one sample costs each method, alone in a process of its own."""
 
+from array import array
 import time
 
 from .. import seeds
@@ -26,8 +27,9 @@ class TimedStream(JointStream):
         super().__init__(robot)
         self.times = []
 
-    def joint_state(self, *message):
-        """Take one joint state; return as JointStream does."""
+    def joint_state(self, stamp, names, *signals):
+        """Take one joint state as a node has it, of floats; return as JointStream does."""
+        message = float(stamp), list(names), *(array('d', values) for values in signals)
         began = time.thread_time()
         sample = super().joint_state(*message)
         self.times.append(time.thread_time() - began)

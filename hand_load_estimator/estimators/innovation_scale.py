@@ -40,7 +40,9 @@ class InnovationScale:
         seconds = dt * (np.abs(sample.v) > MOVES)
         ratio = innovation ** 2 / (self._variance + expected)
         self.sums *= 1.0 - seconds / MEMORY
-        self.sums += seconds * np.array((ratio, np.ones_like(ratio), np.full_like(ratio, dt)))
+        self.sums[0] += seconds * ratio
+        self.sums[1] += seconds
+        self.sums[2] += seconds * dt
 
     def widened(self, trust):
         """Return a Trust with the factor that these innovations ask for."""

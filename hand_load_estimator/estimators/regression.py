@@ -1,7 +1,5 @@
 """The recursive regression that `bayes` and `lstm` share: sums, posterior, load changes."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..torque_model import DRIFTS
@@ -258,7 +256,7 @@ class LoadRegression:
     def _solve(self):
         self._total = self._recent.total()
         return posterior_of(self._total, self._prior, self._start, self._counted_doubt,
-                            self._tare, replace(self.trust.now, factor=1.0))
+                            self._tare, Trust(self.trust.now.precision))
 
     def begin_anew(self, stamp, pieces=AT_REST, expected=None):
         """
@@ -325,7 +323,7 @@ class LoadRegression:
 
     def _older_belief(self, older):
         """Return the Older of an Information."""
-        trust = replace(self.trust.now, factor=1.0)
+        trust = Trust(self.trust.now.precision)
         posterior = posterior_of(older, self._prior, self._start, trust=trust)
         precision = older.matrix.copy()
         precision[:10, :10] += self._change_precision

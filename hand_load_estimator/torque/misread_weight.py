@@ -38,5 +38,8 @@ def misread_columns(model, q, z, gear, torque, carried):
     links = model.mean[:10 * robot.n].copy()
     # The load is fixed to the last link.
     links[-10:] += robot.in_last_link(carried)
-    lean = LEAN * robot.tilt_regressor(q, links, model.layout.tilt(model.mean))
-    return np.hstack([lean, np.diag(GAIN * torque), np.diag(TOOTH_FRICTION * np.abs(gear) * z)])
+    out, joints = np.zeros((robot.n, misread_directions(robot.n))), np.arange(robot.n)
+    out[:, :2] = LEAN * robot.tilt_regressor(q, links, model.layout.tilt(model.mean))
+    out[joints, 2 + joints] = GAIN * torque
+    out[joints, 2 + robot.n + joints] = TOOTH_FRICTION * np.abs(gear) * z
+    return out

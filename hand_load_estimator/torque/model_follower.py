@@ -144,7 +144,7 @@ class ModelFollower:
         own, late = np.zeros_like(nuisances), self.model.layout.late
         known = slice(self._ahead, self._ahead + self._uncertain.shape[1])
         own[:, known] = columns[:, late] @ self._uncertain[late]
-        rows = np.hstack([load, turned[:, None], nuisances - own])
+        rows = np.concatenate([load, turned[:, None], nuisances - own], axis=1)
         rows = rows + self._late.change(rows, dt)
         return rows[:, :10], rows[:, 10], rows[:, 11:] + own
 
@@ -180,9 +180,9 @@ class ModelFollower:
         if self.model.layout.needs:
             told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
                                                       believed, gear)
-        nuisances = np.hstack([
+        nuisances = np.concatenate([
             self._misread_torque(x, columns[0], held, load @ self._carried + turned),
-            nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]])
+            nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]], axis=1)
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
         stuck = stuck_variance(z, doubt, sample.v, sample.a, level)

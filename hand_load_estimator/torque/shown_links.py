@@ -30,17 +30,15 @@ def shown_links(robot, motion):
 
 def shown_links_and_way(robot, motion):
     """Return F[Y] and how far Y goes either way within the filter: s Y', (N, n, 10 n) each."""
-    rows = zip(motion.q, motion.v, motion.a)
+    state = np.array((motion.q, motion.v, motion.a))
     if motion.jerk is None:
-        links = np.array([robot.link_regressor(*row) for row in rows])
+        links = _links_along(robot, state)
         return links, np.zeros_like(links)
-    ends = [_ends(robot.link_regressor, *row) for row in zip(rows, motion.jerk)]
-    after, before = np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
+    way = SPREAD * np.array((motion.v, motion.a, motion.jerk))
+    after, before = _links_along(robot, state + way), _links_along(robot, state - way)
     return 0.5 * (after + before), 0.5 * (after - before)
 
 
-def _ends(regressor, motion, jerk):
-    q, v, a = motion
-    q_way, v_way, a_way = SPREAD * v, SPREAD * a, SPREAD * jerk
-    return (regressor(q + q_way, v + v_way, a + a_way),
-            regressor(q - q_way, v - v_way, a - a_way))
+def _links_along(robot, state):
+    """Return Y (N, n, 10 n) at states q, v, a (3, N, n)."""
+    return np.array([robot.link_regressor(*row) for row in zip(*state)])
