@@ -6,14 +6,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from residual_helpers import declared_model, on, recorded, ripple, viscous
+from residual_helpers import alone, declared_model, diagnosed, on, recorded, ripple, viscous
 from test_known_recordings import made_of, on_disk
 
+from hand_load_estimator.effects import EFFECTS
+from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.residual.add import better_model
+from hand_load_estimator.residual.change_of import change_covariance
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED, Evidence, Finding, SUSPECTED
-from hand_load_estimator.residual.findings import refuted
+from hand_load_estimator.residual.findings import _derived, refuted
 from hand_load_estimator.residual.measured.blocks import Score
 from hand_load_estimator.residual.pictures import picture, travel as travel_since_reversal
 from hand_load_estimator.residual.tracing.candidate import Candidate, Step
@@ -178,3 +181,43 @@ def test_a_joint_that_an_effect_of_several_made_worse_is_told():
                          as_before(2))
     assert kept == given and len(told) == 1
     assert told[0].startswith('elbow: ') and 'though torque_ripple was found there too' in told[0]
+
+
+@lru_cache(None)
+def doubtful():
+    """Return (old figure, its deviation, true change, Finding) of a coefficient read too low."""
+    model = declared_model(doubt=0.08)
+    (where,) = (where.start for use, where in model.slices()
+                if (use.name, use.joint) == ('viscous_friction', JOINT))
+    true, std, mean = model.mean[where], np.sqrt(model.covariance[where, where]), model.mean.copy()
+    mean[where] -= 1.5 * std
+    more = alone(lambda run: 0.6 * true * run.x.v, JOINT)
+    diagnosis, _ = diagnosed(more, model=replace(model, mean=mean))
+    (found,) = (f for f in diagnosis.findings if f.name == 'viscous_friction')
+    return std, 0.6 * true, found
+
+
+def test_a_change_is_as_doubtful_as_both_figures():
+    old, true, found = doubtful()
+    (change, std, _), (_, new, _) = (found.parameters[k + 'coefficient'] for k in ('change_of_', ''))
+    assert std == pytest.approx(np.hypot(new, old), rel=1e-6) and std > 1.5 * new
+    assert abs(change - true) < 2.0 * std
+    # Of the new figure alone it would be far off.
+    assert abs(change - true) > 4.0 * new
+
+
+def test_nobody_knows_how_sure_a_change_is_that_the_model_s_own_recordings_show():
+    model, places = declared_model(), np.arange(60, 63)
+    more = replace(model, recordings=(*model.recordings, RecordingMark('another')))
+    assert np.isnan(change_covariance(model, model, places, places)).all()
+    both = change_covariance(model, more, places, places)
+    assert np.array_equal(both, 2.0 * model.covariance[60:63, 60:63])
+
+
+def test_an_angle_of_a_spring_near_half_a_turn_has_an_interval():
+    effect = EFFECTS['gravity_spring']
+    for angle in (1.0, 3.1, -3.13):
+        values = 10.0 * np.array([np.cos(angle), -np.sin(angle)])
+        told = _derived(effect, {}, values, 0.01 * np.eye(2))
+        mean, std, _ = told['angle']
+        assert mean == pytest.approx(angle) and std == pytest.approx(0.01, rel=0.1)

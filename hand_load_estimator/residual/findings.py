@@ -6,6 +6,7 @@ import numpy as np
 
 from ..effects import EFFECTS, LATE, LINK_INERTIA
 from ..effects.knee import KNEE
+from .change_of import change_covariance
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .doubts.limits import LEAST_WARMING
 from .doubts.unknown import left_over
@@ -223,9 +224,9 @@ def _parameters(model, better, chosen, searched):
 
 
 def _of_link(model, better, hypothesis):
-    where = slice(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
+    where = np.arange(10 * hypothesis.joint, 10 * hypothesis.joint + 10)
     change = better.mean[where] - model.mean[where]
-    std = np.sqrt(np.diag(better.covariance)[where])
+    std = np.sqrt(np.diag(change_covariance(model, better, where, where)))
     return {name: (change[k], std[k], unit)
             for k, (name, unit) in enumerate(LINK_INERTIA.parameters)}
 
@@ -245,8 +246,10 @@ def _of_effect(model, better, hypothesis, searched):
     out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
     # A share of another delay, a peak at another velocity is no change of the old one.
     if old is not None and old[0].formula == use.formula:
-        before = model.mean[old[1]]
-        out |= {f'change_of_{name}': (mean[k] - before[k], std[k], unit)
+        places = (np.arange(part.start, part.stop) for part in (old[1], where))
+        of_change = np.diag(change_covariance(model, better, *places)) + variance - np.diag(
+            covariance)
+        out |= {f'change_of_{name}': (mean[k] - model.mean[old[1]][k], np.sqrt(of_change[k]), unit)
                 for k, (name, unit) in enumerate(effect.parameters)}
     if effect.derived:
         # What a period does to sine and cosine turns them, and leaves their amplitude.
@@ -268,5 +271,12 @@ def _derived(effect, shape, mean, covariance):
     draws = np.random.default_rng(0).multivariate_normal(mean, covariance, _DRAWS)
     made = effect.derived(mean, shape)
     spread = [effect.derived(draw, shape) for draw in draws]
-    return {name: (value, float(np.std([s[name][0] for s in spread])), unit)
+    return {name: (value, _spread([s[name][0] - value for s in spread], unit), unit)
             for name, (value, unit) in made.items()}
+
+
+def _spread(errors, unit):
+    """Return the standard deviation of errors; an angle comes round after a turn."""
+    if unit == 'rad':
+        errors = np.angle(np.exp(1j * np.array(errors)))
+    return float(np.std(errors))

@@ -67,7 +67,8 @@ def _own_gains(finding):
         return ()
     mean, std, _ = (np.array(values) for values in zip(*told))
     size = np.abs(mean)
-    apart = np.maximum(SIGMAS * np.hypot(std[:, None], std), OWN_GAINS * np.maximum(
+    # Of a change that the model's own recordings show nobody knows the deviation.
+    apart = np.fmax(SIGMAS * np.hypot(std[:, None], std), OWN_GAINS * np.maximum(
         size[:, None], size))
     alike = np.abs(mean[:, None] - mean) <= apart
     most = alike[np.argmax(alike.sum(axis=0))]

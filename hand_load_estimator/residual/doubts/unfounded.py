@@ -16,6 +16,7 @@ from scipy.stats import chi2
 
 from ...effects import EFFECTS, LATE
 from ..add import perhaps_too
+from ..change_of import change_covariance
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
 from ..tracing.candidate import SIGMAS
 from ..tracing.hypothesis import WHOLE
@@ -149,21 +150,34 @@ def _alone_and_not(model, step, hypothesis):
 
 def _sure(model, better, hypotheses):
     """Tell whether the better model surely holds something, or something new, of Hypotheses."""
-    where, change = map(np.concatenate, zip(*(_changed(model, better, h) for h in hypotheses)))
-    std = np.sqrt(np.diag(better.covariance)[where])
+    changed = [_changed(model, better, h) for h in hypotheses]
+    where, change = map(np.concatenate, zip(*(pair[:2] for pair in changed)))
+    covariance = better.covariance[np.ix_(where, where)]
+    old = np.concatenate([before for *_, before in changed])
+    compared = old >= 0
+    of_change = change_covariance(model, better, old[compared], where[compared])
+    if np.isfinite(of_change).all():
+        covariance[np.ix_(compared, compared)] = of_change
+    std = np.sqrt(np.diag(covariance))
     unit = np.where(std > 0.0, std, 1.0)
-    values, axes = np.linalg.eigh(better.covariance[np.ix_(where, where)] / np.outer(unit, unit))
+    values, axes = np.linalg.eigh(covariance / np.outer(unit, unit))
     told = values > ROUNDING
     square = np.sum((change / unit @ axes[:, told]) ** 2 / values[told])
     return bool(square > chi2.ppf(CERTAIN, told.sum()))
 
 
 def _changed(model, better, hypothesis):
-    """Return the places (k,) of a Hypothesis in the better x, and what is new there (k,)."""
+    """
+    Return of a Hypothesis its places (k,) in the better x, what is new there, and the old places.
+
+    Those are -1 where the old model has no such figures.
+    """
     (shape, where), old = _place(better, hypothesis), _place(model, hypothesis)
-    same = old is not None and old[0] == shape
-    return (np.arange(where.start, where.stop),
-            better.mean[where] - (model.mean[old[1]] if same else 0.0))
+    if old is None or old[0] != shape:
+        return np.arange(where.start, where.stop), better.mean[where], np.full(
+            where.stop - where.start, -1)
+    return (np.arange(where.start, where.stop), better.mean[where] - model.mean[old[1]],
+            np.arange(old[1].start, old[1].stop))
 
 
 def _place(model, hypothesis):
