@@ -13,7 +13,8 @@ import numpy as np
 from .effects import EffectInput, LATE
 from .robot import Robot
 from .torque.columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
-                             torque_columns, warmth_of)
+                             tilt_along, torque_columns, warmth_of)
+from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
@@ -127,6 +128,12 @@ class TorqueModel:
     def layout(self):
         """The ColumnLayout of x."""
         return ColumnLayout(self.robot.n, self.uses)
+
+    def link_pull(self, x, load=None):
+        """Return link_pull.link_pull (N, n) [Nm], twice, at an EffectInput; load: products (10,)."""
+        leans = self.layout.tilt(self.mean).any()
+        return link_pull(self.layout, x, self.mean, tilt_along(
+            self.robot, self.layout, x.q, self.mean, load) if leans else None)
 
     def slices(self):
         """Return (EffectUse, slice of x) pairs."""

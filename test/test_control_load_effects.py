@@ -43,7 +43,7 @@ def torque_of_load(model, q, v, a):
 
 
 EFFECTS = [{'load_dependent_friction': 0.08}, {'torque_scale': 0.08},
-           {'torque_scale': -0.05, 'load_dependent_friction': 0.08}]
+           {'torque_scale': -0.05, 'load_dependent_friction': 0.09}]
 
 
 @pytest.mark.parametrize('state', [SLOW, QUICK])

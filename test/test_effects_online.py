@@ -28,6 +28,9 @@ LOAD = LoadParameters(2.0, [0.02, -0.03, 0.1], 0.01 * np.eye(3))
 BOUND = {'base_tilt': (0.02, -0.03), 'load_dependent_friction': (0.05,),
          'backlash': (0.8,), 'torque_scale': (0.04,),
          'torque_scale_temperature': (2e-3,), 'time_delay': (0.8,)}
+# What pulls on the links, through the gears.
+PULLS = {'gravity_spring': (-4.0, 1.0), 'cable_drag': (0.5, 0.2, -0.3, 0.1, 0.05)}
+VALUES = BOUND | PULLS
 
 
 def filtered(seconds, rate):
@@ -55,10 +58,11 @@ def samples():
     return filtered(5.0, 125.0)
 
 
-@pytest.mark.parametrize('names', [(name,) for name in BOUND] + [tuple(BOUND)])
+@pytest.mark.parametrize('names', [(name,) for name in BOUND] + [
+    tuple(BOUND), tuple(VALUES), (*PULLS, 'load_dependent_friction')])
 def test_online_is_as_offline(names, samples):
     """The follower, sample by sample, gives what identification had for all rows at once."""
-    model = model_with(four_axes(), names, {name: BOUND[name] for name in names},
+    model = model_with(four_axes(), names, {name: VALUES[name] for name in names},
                        {'shift': 0.05, 'travel': 0.02})
     motion, x, _ = along(model, samples)
     columns = torque_columns(model.robot, model.layout, x, model.mean, motion.dt)
@@ -92,16 +96,18 @@ def test_a_restart_forgets_the_torque_before(samples):
 @pytest.mark.parametrize('names', [
     ('torque_scale',), ('torque_scale_temperature',), ('load_dependent_friction',),
     ('base_tilt',), ('time_delay',),
-    ('time_delay', 'torque_scale'), ('time_delay', 'load_dependent_friction')])
+    ('time_delay', 'torque_scale'), ('time_delay', 'load_dependent_friction'),
+    ('torque_scale', 'torque_scale_temperature', 'load_dependent_friction', 'base_tilt'),
+    (*PULLS, 'load_dependent_friction')])
 def test_a_load_goes_through_the_effects_as_a_known_one_does(names, samples):
     """K m online is what identification adds to the torque for a known load m."""
-    model = model_with(four_axes(), names, {name: BOUND[name] for name in names})
+    model = model_with(four_axes(), names, {name: VALUES[name] for name in names})
     motion, x, held = along(model, samples)
     empty, full = (torque_columns(model.robot, model.layout, x, model.mean, motion.dt, load)
                    @ model.mean for load in (None, LOAD))
     if 'load_dependent_friction' in names:
         # The load must turn a gear's torque round somewhere: friction is bent there.
-        gear = columns_of_links(model, x)
+        gear = columns_of_links(model, x) + model.link_pull(x)[0]
         assert 0.01 < (np.sign(gear) != np.sign(gear + held)).mean() < 0.7
     follower = ModelFollower(model)
     follower.carry(SimpleNamespace(mean=LOAD.to_message()), SimpleNamespace(tared=np.zeros(10)))

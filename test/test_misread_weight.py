@@ -111,6 +111,9 @@ def test_what_a_healthy_arm_pays(sure):
     assert ours < 1.1 * without
 
 
+LEANS = 0.02, -0.01
+
+
 @pytest.mark.parametrize('declared', [False, True])
 def test_the_follower_has_them_with_all_that_is_carried(declared):
     """Beside the estimate, too, and through effects that the model declares."""
@@ -119,7 +122,7 @@ def test_the_follower_has_them_with_all_that_is_carried(declared):
     if declared:
         model = model_with(model.robot, names, {
             'torque_scale': (0.05,), 'load_dependent_friction': (0.04,),
-            'base_tilt': (0.02, -0.01)})
+            'base_tilt': LEANS})
     rng = np.random.default_rng(2)
     q, v, a = rng.uniform(-1.0, 1.0, (3, 6))
     sample = MotionSample(stamp=1.0, q=q, v=v, a=a, effort=np.zeros(6),
@@ -132,6 +135,10 @@ def test_the_follower_has_them_with_all_that_is_carried(declared):
     q = q + 0.04 * v
     links = model.robot.link_regressor(q, v, a)
     gear = links @ model.mean[:60] + model.robot.load_columns(links) @ LOAD.to_products()
+    if declared:
+        held = model.mean[:60].copy()
+        held[-10:] += model.robot.in_last_link(LOAD.to_products())
+        gear = gear + model.robot.tilt_regressor(q, held, LEANS) @ LEANS
     own = misread_columns(model, q, seen.z, gear, -seen.difference
                           + seen.load_columns @ LOAD.to_products(), LOAD.to_products())
     np.testing.assert_allclose(seen.model_columns[:, :14], own, atol=1e-9)

@@ -16,4 +16,4 @@ CABLE_DRAG = Effect(
     'first principles: what is smooth is its Taylor series, here to the fourth power', tuple(
         (name, 'Nm') for name in ('level', 'first', 'second', 'third', 'fourth')), (0.05,) * 5,
     _columns, in_link_torque=True,
-    against='position')
+    against='position', pulls=True)

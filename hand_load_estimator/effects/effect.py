@@ -19,7 +19,7 @@ class EffectInput:
 
     q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where it
     is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
-    model needs them: gear [Nm]: torque through the gear, without friction and rotor, gear_way
+    model needs them: gear [Nm]: torque through the gear: of links, load and what pulls on them, gear_way
     [Nm]: how far it goes either way within the motion filter; drive [Nm]: torque of the drive;
     rate [Nm/s]: how fast it changes, for pictures; tilt(): torque of turning gravity about
     Robot.tilt_axes, (N, n, 2) [Nm/rad]; late(delays): torque of the drive so many seconds ago
@@ -129,6 +129,8 @@ class Effect:
     positive: tuple = ()
     of_warmth: tuple = ()
     derived: Callable | None = None
+    # Whether it pulls on the link, through the gear; a leaning base, which does, reads tilt.
+    pulls: bool = False
     # Fields of EffectInput, beside motion and friction state, that the columns read.
     needs: frozenset = frozenset()
 

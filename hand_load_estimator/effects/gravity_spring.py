@@ -18,4 +18,4 @@ def _derived(values, _):
 GRAVITY_SPRING = Effect(
     'gravity_spring', 'balancer: k sin(q - q0), one period per turn', 'Herder 2001',
     (('sine', 'Nm'), ('cosine', 'Nm')), (0.05, 0.05), _columns, in_link_torque=True,
-    against='position', derived=_derived)
+    against='position', derived=_derived, pulls=True)

@@ -135,7 +135,7 @@ class SequenceMaker:
 def _misread(model, x, columns, carried, load, rows):
     """Return misread_columns of rows (a slice), as with a load whose torque is carried (N, n)."""
     links, held = 10 * model.robot.n, load.to_products()
-    gear = columns[:, :, :links] @ model.mean[:links] + carried
+    gear = columns[:, :, :links] @ model.mean[:links] + carried + model.link_pull(x)[0]
     torque = columns @ model.mean + carried
     return np.array([misread_columns(model, *state, held)
                      for state in zip(*(part[rows] for part in (x.q, x.z, gear, torque)))])

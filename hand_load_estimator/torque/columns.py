@@ -13,6 +13,7 @@ import numpy as np
 from ..effects import EFFECTS, EffectInput, LATE
 from ..effects.knee import KNEE
 from .lateness import lateness
+from .link_pull import link_pull
 from .play import PlayAlong
 from .presliding import presliding_paths
 from .shown_friction import course_of, shown_along
@@ -105,14 +106,15 @@ class ColumnLayout:
     """
     Where the columns of declared effects stand in Y, joints of one effect taken together.
 
-    size: P, the length of x. needs: what the columns read beside motion and friction state.
+    size: P, the length of x. needs: what the columns read beside motion and friction state; pulls:
+    whether there are springs or cables.
     prompt (P,): which are of no delay: a delay delays all of these; late: numbers of the others.
     """
 
     def __init__(self, n, uses):
         self.size, self.links = parameter_count(n, uses), 10 * n
         pairs = effect_slices(n, uses)
-        plain, torque_bound, late = [], [], []
+        plain, geared, scaled, late = [], [], [], []
         for name in dict.fromkeys(use.name for use in uses):
             effect = EFFECTS[name]
             own = [(use, where) for use, where in pairs if use.name == name]
@@ -122,10 +124,12 @@ class ColumnLayout:
             if effect.whole_arm:
                 joints = np.arange(n)
             group = effect, joints, shape, places
-            (late if name == LATE else torque_bound if effect.needs & _TORQUES
-             else plain).append(group)
-        self._plain, self._torque_bound, self._late = (
-            _Groups(groups, n) for groups in (plain, torque_bound, late))
+            (late if name == LATE else scaled if 'drive' in effect.needs
+             else geared if effect.needs & _TORQUES else plain).append(group)
+        self._plain, self._geared, self._scaled, self._late = (
+            _Groups(groups, n) for groups in (plain, geared, scaled, late))
+        self._pulling = _Groups([group for group in plain if group[0].pulls], n)
+        self.pulls = len(self._pulling.places) > 0
         self.prompt = np.ones(self.size, dtype=bool)
         self.late = np.sort(self._late.places)
         self.prompt[self.late] = False
@@ -136,9 +140,19 @@ class ColumnLayout:
         """Write the effects that motion and friction state suffice for into columns (N, n, P)."""
         self._plain.fill(columns, x)
 
-    def fill_torque_bound(self, columns, x):
-        """Write the effects that depend on torques, but delays, into columns (N, n, P)."""
-        self._torque_bound.fill(columns, x)
+    def fill_geared(self, columns, x):
+        """Write the effects that depend on torques behind the drive into columns (N, n, P)."""
+        self._geared.fill(columns, x)
+
+    def fill_scaled(self, columns, x):
+        """Write what depends on all that drives give into columns (N, n, P)."""
+        self._scaled.fill(columns, x)
+
+    def pull(self, x, mean):
+        """Return the torque (N, n) [Nm] of springs and cables at an EffectInput."""
+        columns = np.zeros(x.q.shape + (self.size,))
+        self._pulling.fill(columns, x)
+        return columns @ mean
 
     def fill_late(self, columns, x):
         """Write delays into columns (N, n, P)."""
@@ -200,14 +214,17 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
     layout.fill(columns, x)
     if layout.needs:
         gear, gear_way = _gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
-        plain = columns[:, :, layout.links:] @ mean[layout.links:] + gear
+        held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
+        carried = None if load is None else load.to_products()
+        tilt = tilt_along(robot, layout, x.q, mean, carried) if 'tilt' in layout.needs else None
+        pull, pull_way = link_pull(layout, x, mean, tilt)
+        gear, gear_way = gear + pull, gear_way + pull_way
         x = replace(
-            x, gear=gear, gear_way=gear_way, drive=plain,
-            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None,
-            tilt=tilt_along(robot, layout, x.q, mean, load) if 'tilt' in layout.needs else None)
-        layout.fill_torque_bound(columns, x)
+            x, gear=gear, gear_way=gear_way, tilt=tilt,
+            play=play_columns(robot, x.q, gear, dt, teeth) if 'play' in layout.needs else None)
+        layout.fill_geared(columns, x)
+        layout.fill_scaled(columns, replace(x, drive=columns @ mean + held))
         if 'late' in layout.needs:
-            held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
             # What is read wrong, or leans, is read late with everything else.
             layout.fill_late(columns, replace(x, late=lateness(
                 layout.prompt_torque(columns, mean) + held, dt, before)))
@@ -215,7 +232,11 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
 
 
 def gear_torque(robot, x, mean, load=None):
-    """Return gear and gear_way (N, n) [Nm] of EffectInput; arguments as of torque_columns."""
+    """
+    Return (N, n) [Nm] twice: torque of links and load, and how far it goes within the filter.
+
+    Arguments as of torque_columns. Gears carry link_pull, too.
+    """
     return _gear_torque(robot, *shown_links_and_way(robot, x), mean, load)
 
 
@@ -251,12 +272,12 @@ def tilt_columns(robot, layout, q, mean, load=None, turn=0.0):
     Return (N, n, 2) [Nm/rad]: torque of turned gravity at positions q (N, n).
 
     x (P,) of a ColumnLayout tells the links, and the turn that the columns are exact for; turn
-    (2,) [rad]: beyond that; load: LoadParameters that are known to be held, or None.
+    (2,) [rad]: beyond that; load: products (10,) that are known to be held, or None.
     """
     links, angles = mean[:layout.links].copy(), layout.tilt(mean) + turn
     if load is not None:
         # The load is fixed to the last link.
-        links[-10:] += robot.in_last_link(load.to_products())
+        links[-10:] += robot.in_last_link(load)
     return np.array([robot.tilt_regressor(row, links, angles) for row in q])
 
 

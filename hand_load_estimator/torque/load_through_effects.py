@@ -18,8 +18,9 @@ def gear_with(model, x, products):
     robot = model.robot
     ways = [columns[0] for columns in shown_links_and_way(robot, x)]
     held = [robot.load_columns(columns) @ products for columns in ways]
-    return held[0], [columns @ model.mean[:10 * robot.n] + torque
-                     for columns, torque in zip(ways, held)]
+    pulls = [pull[0] for pull in model.link_pull(x, products)]
+    return held[0], [columns @ model.mean[:10 * robot.n] + torque + pull
+                     for columns, torque, pull in zip(ways, held, pulls)]
 
 
 def load_through_effects(model, columns, x, products, believed, gear):
@@ -34,30 +35,43 @@ def load_through_effects(model, columns, x, products, believed, gear):
     """
     load = model.robot.load_columns(columns[:, :model.layout.links])
     told, through, turned = columns.copy(), load.copy(), np.zeros(model.robot.n)
-    for joints, where, share, own in _growth(model, columns, load, x, believed, gear):
+
+    def grow(joints, where, share, own):
         value = model.mean[where]
         told[joints, where] += share @ products + own
         through[joints] += value @ share
         turned[joints] += np.sum(value * own)
+
+    for growth in _geared(model, columns, load, x, believed, gear):
+        grow(*growth)
+    # A gain misreads all that the drive gives.
+    for growth in _scaled(model, x, through.copy(), turned.copy()):
+        grow(*growth)
     return told, through, turned
 
 
-def _growth(model, columns, load, x, believed, gear):
+def _geared(model, columns, load, x, believed, gear):
     """Yield (joints, where, share, own): Y[joints, where] grows by share @ products + own."""
     side = shown_side(*gear)
     bent = shown_size(*gear) - side * believed
     for use, where in model.slices():
         j = use.joint
-        if use.name == 'torque_scale':
-            yield j, where, load[[j]], 0.0
-        elif use.name == 'torque_scale_temperature':
-            yield j, where, x.warmth[0, j] * load[[j]], 0.0
-        elif use.name == 'load_dependent_friction':
+        if use.name == 'load_dependent_friction':
             way = direction(x, j, use.shape)[0]
             yield j, where, side[j] * way * load[[j]], bent[j] * way - columns[j, where]
         elif use.name == 'base_tilt':
             tilted = model.robot.tilted_load_columns(x.q[0], model.mean[where])
             yield slice(None), where, tilted.swapaxes(0, 1), 0.0
+
+
+def _scaled(model, x, through, turned):
+    """Yield the same of gains, where a load adds through @ products + turned (n,) to drives."""
+    for use, where in model.slices():
+        j = use.joint
+        if use.name == 'torque_scale':
+            yield j, where, through[[j]], turned[j]
+        elif use.name == 'torque_scale_temperature':
+            yield j, where, x.warmth[0, j] * through[[j]], x.warmth[0, j] * turned[j]
 
 
 def load_while_sliding(model, state, temperature, products):

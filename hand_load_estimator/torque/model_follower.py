@@ -120,6 +120,12 @@ class ModelFollower:
             return 0.0, (0.0, 0.0)
         return gear_with(self.model, x, self._carried)
 
+    def _plain_gear(self, x, columns, load):
+        """Return the gears' torque (n,) [Nm], of columns (n, P) and load columns (n, 10)."""
+        links = self.model.layout.links
+        gear = columns[:, :links] @ self.model.mean[:links] + load @ self._carried
+        return gear + self.model.link_pull(x)[0][0] if self.model.layout.pulls else gear
+
     def _columns(self, x, dt, believed):
         model = self.model
         if not model.layout.needs:
@@ -148,17 +154,15 @@ class ModelFollower:
         rows = rows + self._late.change(rows, dt)
         return rows[:, :10], rows[:, 10], rows[:, 11:] + own
 
-    def _misread_torque(self, x, columns, held, added):
+    def _misread_torque(self, x, columns, gear, added):
         """
         Return misread_columns at x, of columns Y (n, P).
 
-        held (n,) [Nm]: torque of the load; added (n,) [Nm]: the same by way of declared effects.
+        gear (n,) [Nm]: torque of the gears; added (n,) [Nm]: the load's, through declared effects.
         """
-        model, links = self.model, self.model.layout.links
         # A delay delays these with everything else.
-        torque = model.layout.prompt_torque(columns, model.mean) + added
-        gear = columns[:, :links] @ model.mean[:links] + held
-        return misread_columns(model, x.q[0], x.z[0], gear, torque, self._carried)
+        torque = self.model.layout.prompt_torque(columns, self.model.mean) + added
+        return misread_columns(self.model, x.q[0], x.z[0], gear, torque, self._carried)
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -176,12 +180,13 @@ class ModelFollower:
         if self._known is None or (known != self._known).any():
             self._known, self._drift = known, drift_std(self.model, known)
         told, load, turned = columns[0], robot.load_columns(columns[0, :, :10 * robot.n]), 0.0
-        held = load @ self._carried
         if self.model.layout.needs:
             told, load, turned = load_through_effects(self.model, columns[0], x, self._carried,
                                                       believed, gear)
+        else:
+            gear = self._plain_gear(x, columns[0], load), 0.0
         nuisances = np.concatenate([
-            self._misread_torque(x, columns[0], held, load @ self._carried + turned),
+            self._misread_torque(x, columns[0], gear[0], load @ self._carried + turned),
             nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]], axis=1)
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])

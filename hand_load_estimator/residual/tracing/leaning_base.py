@@ -26,7 +26,7 @@ def turned(hypothesis, score, model, residual):
     before, turn = model.layout.tilt(model.mean), hypothesis.scale * score.theta
     now = np.concatenate([
         tilt_columns(model.robot, model.layout, residual.x.q[residual.owner == part], model.mean,
-                     load, turn) for part, load in enumerate(residual.loads)])
+                     load.to_products(), turn) for part, load in enumerate(residual.loads)])
     # What the columns times both turns change, less what the model has of it already.
     columns = now + ((now - residual.x.tilt()) @ before)[..., None] * turn / (turn @ turn)
     return beside_delays(replace(hypothesis, prompt=None, columns={
