@@ -12,6 +12,7 @@ from rosbags.typesys import get_typestore, Stores
 from .errors import RecordingError
 from .files.load_file import read_load_file
 from .load import LoadParameters
+from .stream.arm_names import ArmNames
 
 JOINT_STATES = 'joint_states'
 TEMPERATURES = 'joint_temperatures'
@@ -233,20 +234,6 @@ class RecordingWriter:
                            _STORE.serialize_cdr(message, message.__msgtype__))
 
 
-def find_joints(names, joints):
-    """
-    Return the indices (n,) of `joints` in `names`, or None when not all are there.
-
-    Joints are found in any order, also when all carry one prefix (tf_prefix) in `names`.
-    """
-    index = {name: i for i, name in enumerate(names)}
-    if all(joint in index for joint in joints):
-        return [index[joint] for joint in joints]
-    prefixes = {name[:-len(joints[0])] for name in names if name.endswith(joints[0])}
-    complete = [p for p in prefixes if all(p + joint in index for joint in joints)]
-    return [index[complete[0] + joint] for joint in joints] if len(complete) == 1 else None
-
-
 def _picked(values, indices, size):
     """Return the wanted values, NaN when the array does not belong to all names."""
     return values[indices] if len(values) == size else np.full(len(indices), np.nan)
@@ -258,12 +245,10 @@ def arrays(recording, joints):
 
     In recorded order, joints in the order asked for; NaN where a message has no such value.
     """
-    known, rows = {}, []
+    arm, rows = ArmNames(joints), []
     for sample in recording.joint_samples:
-        if sample.names not in known:
-            known[sample.names] = find_joints(sample.names, joints)
-        indices = known[sample.names]
-        if indices is not None:
+        indices = arm.index(sample.names)
+        if isinstance(indices, np.ndarray):
             size = len(sample.names)
             rows.append((sample.stamp, *(_picked(values, indices, size) for values in
                                          (sample.position, sample.velocity, sample.effort))))

@@ -78,6 +78,7 @@ class Robot:
     An arm: names, limits, nominal inverse dynamics and the load regressor K.
 
     stops (2, n) [rad]: least and greatest positions by the URDF, infinite where it states none;
+    turning (n,) bool: joints that turn and do not slide;
     load_placement: pinocchio.SE3 of the load frame behind the last joint.
     Not thread-safe: pinocchio's work space is reused between calls.
     """
@@ -91,6 +92,8 @@ class Robot:
         self.model = _build_model(file)
         self.stops = _stops(self.model)
         self.limits = _limits(file, self.stops)
+        self.turning = np.array([joint.shortname().startswith('JointModelR')
+                                 for joint in list(self.model.joints)[1:]])
         self._data = self.model.createData()
         # The same arm under the two parts of gravity's change by a turn.
         self._turned, self._turned_by = (self.model.copy(), self.model.copy()), None

@@ -6,6 +6,7 @@ from check_helpers import only, recording, swings, torque, verdicts
 import numpy as np
 import pytest
 
+from hand_load_estimator.checks.motion import check_updates
 from hand_load_estimator.checks.recording_check import check_recording
 from hand_load_estimator.files.shared_files import find_shared
 from hand_load_estimator.recording import TemperatureSample
@@ -83,3 +84,22 @@ def test_repeated_states(robot, motion):
     twice = tuple(x[hold] for x in motion[1:])
     made = recording(robot, (motion[0], *twice), torque(robot, motion)[hold])
     assert verdicts(robot, made)['updates'] == 'doubt'
+
+
+@pytest.mark.parametrize('times, share', [(1, '0.0 %'), (2, '50 %'), (4, '75 %')])
+def test_repeats_are_a_share_of_all_messages_in_motion(times, share):
+    """Of every second one it was said to be all of them, of three in four that there is none."""
+    place = np.repeat(np.cumsum(np.full((500, 2), 1e-3), axis=0), times, axis=0)
+    rest = np.repeat(place[-1:], 400, axis=0)
+    found = check_updates(*[np.concatenate([place, rest])] * 3)
+    assert float(found.text.split()[0]) == pytest.approx(float(share.split()[0]), abs=1.0)
+    assert found.verdict == ('ok' if times == 1 else 'doubt')
+
+
+def test_two_arms_alike_on_one_topic(robot, motion):
+    made = recording(robot, motion, torque(robot, motion))
+    own = [s if isinstance(s, TemperatureSample) else replace(
+        s, names=tuple(f'{"left_" if k % 2 else "right_"}{name}' for name in s.names))
+        for k, s in enumerate(made.samples)]
+    found = {f.item: f for f in check_recording(replace(made, samples=own), robot).findings}
+    assert found['joints'].verdict == 'wrong' and 'more arms than one' in found['joints'].text

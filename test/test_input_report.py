@@ -19,17 +19,17 @@ class Fed:
             model, block(1.0), 0.1)[0], 0.0
 
     def feed(self, names=None, effort=None):
-        """Feed ten joint states; those of other names come beside the arm's, at its times."""
+        """Feed fifty joint states; those of other names come beside the arm's, at its times."""
         m = self._still
-        for _ in range(10):
-            self._now += 0.1 if names is None else 0.0
+        for k in range(50):
+            self._now += 0.02 if names is None else 0.0
             self._report.joint_state()
             self._pipeline.joint_state(self._now, m.names if names is None else names,
                                        m.position, m.velocity,
-                                       m.effort if effort is None else effort)
+                                       m.effort + 1e-6 * k if effort is None else effort)
 
     def second(self, temperatures=(), effort=None, names=None):
-        """Feed ten joint states and temperatures {name: degC}; return what is said of them."""
+        """Feed fifty joint states and temperatures {name: degC}; return what is said of them."""
         self.feed(names, effort)
         for name, celsius in dict(temperatures).items():
             self._report.temperature(name, self._joints)
@@ -106,7 +106,7 @@ def test_two_complaints_are_both_told():
     fed = Fed()
     fed.second()
     level, message, _ = fed.second(effort=(float('nan'),) * 4)
-    assert level == WARN and message.startswith('10 inputs rejected in the last second; no temp')
+    assert level == WARN and message.startswith('50 inputs rejected in the last second; no temp')
 
 
 OTHERS = ('lwr_0', 'lwr_1', 'lwr_2', 'lwr_3')
@@ -122,7 +122,7 @@ def test_joint_states_of_another_arm_are_told_with_both_names(names, reason):
     for _ in range(2):
         level, message, values = fed.second(names=names)
     assert (level, message) == (WARN, reason)
-    assert values['joint_states of no joint of this robot'] == (20 if names is OTHERS else 0)
+    assert values['joint_states of no joint of this robot'] == (100 if names is OTHERS else 0)
 
 
 def test_joint_states_of_others_beside_the_arms_are_counted_and_well():
@@ -132,8 +132,8 @@ def test_joint_states_of_others_beside_the_arms_are_counted_and_well():
             fed.feed(names)
         level, message, values = fed.second()
     assert (level, message) == (OK, 'joint states arrive')
-    assert values['joint_states of no joint of this robot'] == 20
-    assert values['rejected missing_joint'] == 20
+    assert values['joint_states of no joint of this robot'] == 100
+    assert values['rejected missing_joint'] == 100
 
 
 def test_an_arm_that_falls_silent_beside_others_is_told():

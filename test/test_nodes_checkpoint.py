@@ -212,3 +212,23 @@ def test_it_suggests_a_motion_and_knows_its_tool(start, listener, tmp_path):
     np.testing.assert_allclose(points[-1].positions, standing()[0][1], atol=1e-3)
     assert not any(points[-1].velocities)
     assert estimator.values()['tool mass [kg]'] == '1.25'
+
+
+def test_a_file_that_another_node_keeps_is_neither_read_nor_lost(pipeline, tmp_path):
+    """Two arms alike had shared one by mistake, and a tare went from one to the other."""
+    path = tmp_path / 'c'
+    left, right = (CheckpointKeeper(str(path), 60.0, f'/{side}/estimator')
+                   for side in ('left', 'right'))
+    left.keep(pipeline)
+    left.stop(pipeline)
+    written = path.read_bytes()
+    right.keep(pipeline)
+    right.stop(pipeline)
+    assert path.read_bytes() == written
+    level, message, _ = right.report()
+    assert level == WARN and '/left/estimator keeps its own there' in message
+    fresh, again = (pipeline_of(exact_model('four')),
+                    CheckpointKeeper(str(path), 60.0, '/right/estimator'))
+    again.restore(fresh)
+    assert 'belongs to another node: /left/estimator, not /right/estimator' in again.told
+    assert not fresh.unconfirmed and again.report()[0] == WARN

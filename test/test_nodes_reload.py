@@ -1,5 +1,6 @@
 """The estimator node reloads its torque model, refuses those that do not fit, tells of ageing."""
 
+from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 
@@ -110,6 +111,20 @@ def test_input_and_load_changes_go_on_with_another_model():
     assert new.estimate(stream[-1].stamp + 9.0).status == 'STALE_INPUT'
     feed(new, [replace(m, stamp=m.stamp + 6.0) for m in messages(model, block(3.0), 5.0)])
     assert new.load_id == before and abs(new.method.belief().mean[0] - 3.0) < 0.05
+
+
+def test_limits_of_the_new_model_s_robot_hold_for_what_comes():
+    """A limit that was set right counted from the next start only."""
+    model = exact_model('four')
+    slow = replace(model, robot=copy(model.robot))
+    slow.robot.limits = replace(slow.robot.limits, velocity=0.05 * slow.robot.limits.velocity)
+    old, new = warm(pipeline_of(slow)), pipeline_of(model)
+    feed(old, messages(model, block(1.0), 3.0))
+    refused = old.rejected['implausible_velocity']
+    assert refused > 20
+    new.take_over(old)
+    feed(new, [replace(m, stamp=m.stamp + 4.0) for m in messages(model, block(1.0), 3.0)])
+    assert new.rejected['implausible_velocity'] == refused
 
 
 def test_a_better_model_is_taken_without_restart(estimator, feeder, listener, files):

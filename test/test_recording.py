@@ -6,7 +6,7 @@ from pathlib import Path
 from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.recording import (_message, arrays, find_joints, JointSample,
+from hand_load_estimator.recording import (_message, arrays, JointSample,
                                            read_recording, RecordingWriter, TemperatureSample)
 import numpy as np
 import pytest
@@ -180,13 +180,6 @@ def test_writer_refuses_what_exists_and_leaves_no_whole_bag_after_an_error(tmp_p
             raise ZeroDivisionError
     with pytest.raises(RecordingError):
         read_recording(tmp_path / 'bag')
-
-
-def test_joints_are_found_in_any_order_and_behind_a_prefix():
-    assert find_joints(('x', 'b', 'a'), NAMES) == [2, 1]
-    assert find_joints(('left_b', 'left_a'), NAMES) == [1, 0]
-    assert find_joints(('a',), NAMES) is None
-    assert find_joints(('left_a', 'left_b', 'right_a', 'right_b'), NAMES) is None
 
 
 def test_arrays_skip_other_joints_and_fill_with_nan(tmp_path):

@@ -29,14 +29,21 @@ def check_values(recording, position, velocity, effort):
                    'missing, position and effort may not')
 
 
+# Messages from one that moves to the next, of a driver that repeats itself; more is a rest.
+_FEW = 12
+
+
 def check_updates(position, velocity, effort):
     """Return the finding about messages that repeat the state of the one before while moving."""
     moves = np.abs(np.diff(position, axis=0)).max(axis=1) > 0.0
     whole = np.hstack([position, np.nan_to_num(velocity), np.nan_to_num(effort)])
     repeats = (np.diff(whole, axis=0) == 0.0).all(axis=1)
-    # A repeat counts only between messages that move, so that a standing arm is no fault.
-    around = moves[:-2] & moves[2:] if len(moves) > 2 else np.zeros(0, dtype=bool)
-    share = np.mean(repeats[1:-1][around]) if around.any() else 0.0
+    # A repeat counts only shortly between messages that move: a standing arm is no fault.
+    moved = np.flatnonzero(moves)
+    after = np.searchsorted(moved, np.arange(len(moves)))
+    edges = np.concatenate([[-np.inf], moved, [np.inf]])
+    there = moves | (edges[after + 1] - edges[after] <= _FEW)
+    share = np.mean(repeats[there]) if there.any() else 0.0
     text = f'{100.0 * share:.1f} % of the messages in motion repeat the one before'
     return Finding('updates', OK if share < 0.02 else DOUBT, text, '' if share < 0.02 else
                    'the publisher is faster than the robot or not in step with it; publish at '

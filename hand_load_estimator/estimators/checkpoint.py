@@ -17,7 +17,7 @@ from safetensors.numpy import load, save
 
 from ..errors import HandLoadError
 
-SCHEMA = 'hand_load/checkpoint/3'
+SCHEMA = 'hand_load/checkpoint/4'
 _KIND = SCHEMA.rstrip('0123456789').encode()
 # A file from the future by more than this [s] was written by another clock: its age is unknown.
 CLOCK_STEP = 60.0
@@ -33,10 +33,14 @@ def was_checkpoint(path):
     return raw[8:9] == b'{' and _KIND in raw
 
 
-def belongs_to(pipeline):
-    """Return what must agree between a checkpoint and a Pipeline, as plain text."""
+def belongs_to(pipeline, node=''):
+    """
+    Return what must agree between a checkpoint and a Pipeline, as plain text.
+
+    node: full name of the node that keeps it: arms alike have a load each.
+    """
     robot, tool = pipeline.model.robot, pipeline.tool
-    return {'robot': robot.name, 'joints': ', '.join(robot.joints),
+    return {'node': node, 'robot': robot.name, 'joints': ', '.join(robot.joints),
             'effort kind': robot.effort.kind, 'load frame': robot.load_frame,
             'model': pipeline.digest, 'method': pipeline.method.name,
             'tool': ' '.join(f'{value:.9g}' for value in (*tool.products, *tool.root.ravel()))
@@ -101,6 +105,14 @@ def read_checkpoint(path, owner, max_age, now=None):
     return arrays, max(age, 0.0)
 
 
+def written_by(path):
+    """Return the full name of the node that a checkpoint is of, or None where nobody can tell."""
+    try:
+        return _content(Path(path))[1].get('owner node')
+    except CheckpointError:
+        return None
+
+
 def _content(path):
     """Return ({name: array}, notes) of a file that is whole."""
     try:
@@ -120,9 +132,13 @@ def _content(path):
     return arrays, notes
 
 
-def restore_checkpoint(path, pipeline, max_age):
-    """Go on from a file; return in words what was restored; CheckpointError when refused."""
-    state, age = read_checkpoint(path, belongs_to(pipeline), max_age)
+def restore_checkpoint(path, pipeline, max_age, node=''):
+    """
+    Go on from a file; return in words what was restored; CheckpointError when refused.
+
+    node: as of belongs_to.
+    """
+    state, age = read_checkpoint(path, belongs_to(pipeline, node), max_age)
     told = f'as it was {_span(age)} before the start'
     try:
         pipeline.restore(state, told)

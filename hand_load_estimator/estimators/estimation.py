@@ -51,7 +51,8 @@ def estimate_recording(pipeline, recording):
         if time - last >= 0.5 * SPACING - 1e-4:
             last = time
             history.add(time, believed or pipeline.method.belief())
-    final = pipeline.estimate(0.0 if stamp is None else stamp)
+    # What could not be used at the end counts: the load may be another one by then.
+    final = pipeline.estimate(0.0 if stamp is None else pipeline.last_stamp)
     std = final.std
     return {
         'schema': SCHEMA, 'method': pipeline.method.name, 'intervals': pipeline.intervals,

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..errors import HandLoadError
 from ..load import LoadEstimate
+from ..stream.frozen import told_of_frozen
 from ..stream.joint_stream import JointStream
 from ..stream.rejected_input import in_words, joint_states_of
 from .calibrated import intervals_of
@@ -51,8 +52,8 @@ class Pipeline:
         self._stream = JointStream(model.robot)
         self._began, self._unwatched = False, None
         self._changes_before, self._restored, self._moved = 0, '', 0.0
-        self._sample = self._suggester = None
-        self._estimate = None
+        self._sample = self._suggester = self._fed = None
+        self._estimate, self.estimates = None, 0
         self.residual = np.full(model.robot.n, np.nan)
 
     @property
@@ -74,6 +75,26 @@ class Pipeline:
     def samples(self):
         """Number of joint states used."""
         return self._stream.accepted
+
+    @property
+    def arms(self):
+        """This arm's prefix in the joint states, None before any, and those (set) of others."""
+        return self._stream.arms
+
+    @property
+    def velocity_is_none(self):
+        """Whether velocities are all zero while the arm moves, and count as missing."""
+        return self._stream.velocity_is_none
+
+    @property
+    def frozen(self):
+        """For how long [s] joint states have been the same to the last bit."""
+        return self._stream.frozen
+
+    @property
+    def temperature_names(self):
+        """The names that temperatures are taken from."""
+        return self._stream.temperature_names
 
     @property
     def intervals(self):
@@ -131,13 +152,17 @@ class Pipeline:
         What the estimate need not wait for is left to settle(), or else to the next message.
         """
         sample = self._stream.joint_state(stamp, names, position, velocity, effort)
+        if self._fed is None or self.last_stamp < self._fed:
+            # Where it begins, or begins anew with another clock.
+            self._fed = self.last_stamp
         if sample is None:
             return None
         self._watch_residual()
         if sample.fresh:
             self._follower.restart()
             return None
-        self._sample = sample
+        self._sample, self._fed = sample, sample.stamp
+        self.estimates += 1
         prediction = self._follower.update(sample)
         self.residual = prediction.difference
         if self.tool:
@@ -174,7 +199,8 @@ class Pipeline:
         Input, its counts and the number of load changes go on; the load is to be found anew. What
         tare declared zero counts again: the other model measured it, with the other's errors.
         """
-        self._stream = other._stream
+        self._stream, self._fed = other._stream, other._fed
+        self._stream.use(self.model.robot)
         self._changes_before = other.load_id
 
     def state(self):
@@ -206,11 +232,17 @@ class Pipeline:
         last, belief = self._stream.last_stamp, self.method.belief()
         if last is None:
             return self._say(now, belief, 'NO_DATA', self.why_none, self._determined(belief))
-        if now - last > self._stale_after:
-            return self._say(last, belief, 'STALE_INPUT',
-                             f'no usable joint state for {now - last:.2f} s',
+        if now - self._fed > self._stale_after:
+            return self._say(last, belief, 'STALE_INPUT', self._why_stale(now),
                              self._determined(belief))
         return self._estimate or self._labelled(last, belief)
+
+    def _why_stale(self, now):
+        """Return in words for how long nothing told of the load, and why, if something arrives."""
+        if now - self.last_stamp > self._stale_after:
+            return f'no usable joint state for {now - self.last_stamp:.2f} s'
+        why = in_words(self.rejected) or 'they stop too often'
+        return f'no usable joint state for {now - self._fed:.2f} s, though they arrive: {why}'
 
     def suggest_motion(self, now):
         """
@@ -220,9 +252,8 @@ class Pipeline:
         """
         if self._sample is None:
             raise SuggestionError('where the arm stands is not known: no usable joint states yet')
-        if now - self.last_stamp > self._stale_after:
-            raise SuggestionError('where the arm stands is not known: no usable joint state for '
-                                  f'{now - self.last_stamp:.2f} s')
+        if now - self._fed > self._stale_after:
+            raise SuggestionError(f'where the arm stands is not known: {self._why_stale(now)}')
         if (np.abs(self._sample.v) > STANDING).any():
             raise SuggestionError('the arm moves; ask again when it stands')
         if self._suggester is None:
@@ -242,6 +273,8 @@ class Pipeline:
         Raises TareError where its mass is not known: what was only assumed is no zero.
         """
         estimate = self.estimate(now)
+        for told in told_of_frozen(self.frozen):
+            raise TareError(f'{told}; move the arm and tare again')
         if estimate.status not in ('ESTIMATING', 'DETERMINED') or not estimate.determined[0]:
             raise TareError(f'the mass of what is held is not determined: {estimate.status}, '
                             f'{estimate.reason}; move the arm and tare again')

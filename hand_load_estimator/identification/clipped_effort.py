@@ -7,7 +7,8 @@ rows the rest is as good as ever, with them everything else makes up for what is
 
 import numpy as np
 
-from ..stream.input_guard import EFFORT_MARGIN, InputGuard, RESTART_AFTER
+from ..stream.arm_names import ArmNames
+from ..stream.input_guard import EFFORT_MARGIN, RESTART_AFTER
 
 # An end of the range, as a share of it; the share of the time in motion from which on efforts
 # pile up there, and how many times more than just below: smooth efforts dwell at their largest,
@@ -85,11 +86,9 @@ def _passes(said, moved):
 
 def _reported(robot, recording):
     """Return stamps (M,) and efforts (M, n) of the joint states that have them all."""
-    guard, orders, stamps, efforts = InputGuard(robot), {}, [], []
+    names, stamps, efforts = ArmNames(robot.joints), [], []
     for state in recording.joint_samples:
-        if state.names not in orders:
-            orders[state.names] = guard.places(state.names)
-        order = orders[state.names]
+        order = names.index(state.names)
         if isinstance(order, np.ndarray) and len(state.effort) == len(state.names):
             stamps.append(state.stamp)
             efforts.append(np.asarray(state.effort)[order])

@@ -7,7 +7,7 @@ import time
 
 from ..errors import ConfigurationError
 from ..estimators.checkpoint import (CheckpointError, belongs_to, restore_checkpoint,
-                                     was_checkpoint, write_checkpoint)
+                                     was_checkpoint, write_checkpoint, written_by)
 from .diagnostics import OK, WARN
 
 _LAST_WRITE = 5.0  # [s] a full disk may hold up the end of a node
@@ -18,13 +18,13 @@ class CheckpointKeeper:
     Restore a Pipeline from a file and write its state there again and again.
 
     path: the file, in a folder that exists, or an empty text for none; max_age [s]: older files
-    are refused. A refused file is put aside under the name `<file>.refused`; ConfigurationError
+    are refused, and those of another node (full name). A refused file is put aside under the name `<file>.refused`; ConfigurationError
     where it never was a checkpoint. told: in words what came of restoring.
     """
 
-    def __init__(self, path, max_age):
+    def __init__(self, path, max_age, node=''):
         self._path = _checked(path) if path else None
-        self._max_age = max_age
+        self._max_age, self._node = max_age, node
         self._seen, self._written, self._failure, self.refused = None, None, '', False
         self.told = 'none' if self._path is None else 'no file yet'
         # One state waits at most: where the disk is slower than the node, the newest counts.
@@ -36,7 +36,8 @@ class CheckpointKeeper:
         if self._path is None or not self._path.exists():
             return
         try:
-            self.told = f'restored {restore_checkpoint(self._path, pipeline, self._max_age)}'
+            told = restore_checkpoint(self._path, pipeline, self._max_age, self._node)
+            self.told = f'restored {told}'
         except CheckpointError as error:
             self.refused = True
             self.told = f'refused: {error}; the estimate starts afresh{self._put_aside()}'
@@ -58,10 +59,10 @@ class CheckpointKeeper:
         What was restored and has seen no motion yet is as old as the file says.
         """
         if self._path is None or not even_if_old and (
-                pipeline.samples == self._seen or pipeline.unconfirmed):
+                pipeline.estimates == self._seen or pipeline.unconfirmed):
             return
-        self._seen = pipeline.samples
-        self._hand_over((pipeline.state(), belongs_to(pipeline)))
+        self._seen = pipeline.estimates
+        self._hand_over((pipeline.state(), belongs_to(pipeline, self._node)))
 
     def _hand_over(self, item):
         if self._writer.ident is None:
@@ -91,6 +92,10 @@ class CheckpointKeeper:
             item = self._waiting.get()
             if item is None:
                 return
+            other = written_by(self._path)
+            if other not in (None, self._node):
+                self._failure = f'{other} keeps its own there; give each node a file of its own'
+                continue
             try:
                 write_checkpoint(self._path, *item)
                 self._written, self._failure = time.time(), ''

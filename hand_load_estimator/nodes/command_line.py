@@ -5,6 +5,7 @@ import textwrap
 
 from ..errors import ConfigurationError
 from ..files.shared_files import share_folder
+from .parameters import overrides_of
 from .runner import run_node
 
 _WIDTH = 98
@@ -28,7 +29,25 @@ def run_from_command_line(name, make_node, table, args=None):
     if outside:
         print(f'error: {_refusal(name, table, outside)}', file=sys.stderr)
         return 2
-    return run_node(make_node, args)
+    given = sys.argv[1:] if args is None else args
+
+    def make():
+        node = make_node()
+        for told in _ignored_files(node, given):
+            node.get_logger().warning(told)
+        return node
+    return run_node(make, args)
+
+
+def _ignored_files(node, args):
+    """Return [a sentence] where parameter files say nothing to a node, as rcl does not tell."""
+    files = [file for key, file in zip(args, args[1:]) if key == '--params-file']
+    apart = {rule.split(':=')[0] for key, rule in zip(args, args[1:]) if key in ('-p', '--param')}
+    if not files or set(overrides_of(node)) - apart:
+        return []
+    name = node.get_fully_qualified_name()
+    return [f'{", ".join(files)}: has no parameters for {name}; its sections must be called '
+            f'{name}, or /**/{node.get_name()}']
 
 
 def _outside_ros_args(args):

@@ -20,6 +20,8 @@ from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
 from ..estimators.suggest_motion import SuggestionError
 from ..load import message_from_products
+from ..robot import load_robot
+from ..torque.model_of_robot import other_limits
 from .checkpoint_keeper import CheckpointKeeper
 from .command_line import run_from_command_line
 from .controller_messages import trajectory_message
@@ -50,6 +52,12 @@ def build_from_parameters(values):
                           values.tool or None, values.intervals or None)
 
 
+def limits_from_parameters(values, pipeline):
+    """Return sentences on limits that the robot file states otherwise than the model's."""
+    robot, _ = robot_and_model(values)
+    return other_limits(pipeline.model.robot, load_robot(robot))
+
+
 def _one_sentence(error):
     return ' '.join(str(error).split())
 
@@ -63,7 +71,8 @@ class EstimatorNode(Node):
         values = self._declared.values
         self._set_rates(values)
         self._use(build_from_parameters(values))
-        self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age)
+        self._checkpoint = CheckpointKeeper(values.checkpoint, values.checkpoint_max_age,
+                                            self.get_fully_qualified_name())
         self._checkpoint.restore(self._pipeline)
         self._base, self._last_stamp = StampBase(), None
         self._newest = self._arrived = None
@@ -83,7 +92,8 @@ class EstimatorNode(Node):
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
                                f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
                                f'checkpoint: {self._checkpoint.told}')
-        for caution in cautions(self._pipeline.model, self._simulated()):
+        for caution in (*cautions(self._pipeline.model, self._simulated()),
+                        *limits_from_parameters(values, self._pipeline)):
             self.get_logger().warning(caution)
 
     def _simulated(self):
@@ -176,7 +186,9 @@ class EstimatorNode(Node):
     def _current(self):
         """Return the estimate as of now and the age of the newest measurement in it [s]."""
         now, newest = self._now(), self._last_stamp
-        return self._pipeline.estimate(now), float('nan') if newest is None else now - newest
+        # A clock that was set back leaves no age of what was before.
+        known = newest is not None and newest <= now
+        return self._pipeline.estimate(now), now - newest if known else float('nan')
 
     def _keep_telling(self):
         if not self._told_lately:
@@ -253,7 +265,8 @@ class EstimatorNode(Node):
         # A path nobody can have, as of an unknown user or too long, is found out by the system.
         except (HandLoadError, OSError, RuntimeError) as error:
             response.success = False
-            response.message = f'{_one_sentence(error)}; {old.model_file} stays at work'
+            response.message = (f'{_one_sentence(error)}; the model that was read from '
+                                f'{old.model_file} stays at work')
             self.get_logger().warning(f'model refused: {response.message}')
             return response
         self._after_request()

@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 
 from ..effects import NEEDS_TEMPERATURE
+from ..stream.frozen import told_of_frozen
 from ..stream.joint_temperatures import joint_index
 from .diagnostics import ERROR, OK, STALE, WARN
 
@@ -14,6 +15,33 @@ _UNUSABLE = ('no usable joint state in the last second: those that arrive do not
              'of this robot')
 # Names of others that are told one by one; a driver that invents names must not fill the memory.
 _MOST_NAMES = 10
+
+
+# Joint states per second of their stamps that everything is measured with, and a little beyond,
+# where the stamps tell of at least so many [s].
+_FEWEST, _MOST, _SPAN = 25, 1200, 0.3
+
+
+def _other_arms(prefix, others):
+    """Return [a sentence] where this arm was told from others by who came first, or []."""
+    if not (prefix and others):
+        return []
+    return [f'joint states of more arms than one: those behind {prefix!r} came first and are '
+            f'used, those behind {", ".join(map(repr, sorted(others)))} are not; name the joints '
+            'in the robot file with their prefix']
+
+
+def _velocities(none):
+    """Return [a sentence] where velocities are no measurements, or []."""
+    return ['velocities are all zero while the arm moves: they are taken from the positions'
+            ] if none else []
+
+
+def _rate(count, seconds):
+    """Return [a sentence] on joint states too few or too many for so many seconds, or []."""
+    if seconds < _SPAN or _FEWEST <= count / seconds <= _MOST:
+        return []
+    return [f'joint states come at {count / seconds:.0f} Hz: made for 30 to 1000']
 
 
 class InputReport:
@@ -27,7 +55,7 @@ class InputReport:
 
     def __init__(self):
         self._taken, self._taken_before, self._rejected_before = Counter(), Counter(), 0
-        self._others, self._newest_before = Counter(), None
+        self._others, self._newest_before, self._others_before = Counter(), None, 0
 
     def joint_state(self):
         """Count a joint state."""
@@ -48,6 +76,7 @@ class InputReport:
             values[f'received {kind}'] = self._taken[kind]
             values[f'{kind} in the last second'] = self._taken[kind] - self._taken_before[kind]
         values['joint_states of no joint of this robot'] = pipeline.passed_over
+        values['temperatures are taken from'] = ', '.join(pipeline.temperature_names) or 'none'
         values['temperatures known'] = f'{known.sum()} of {len(known)}'
         values |= {f'temperatures of {name!r}, no joint of this robot': count
                    for name, count in self._others.items()}
@@ -56,7 +85,9 @@ class InputReport:
             return (*_MISSING, values)
         if self._taken['joint_states'] == before['joint_states']:
             return STALE, 'no joint states in the last second', values
-        told = self._refused(pipeline)
+        rate = self._rate(pipeline, self._taken['joint_states'] - before['joint_states'])
+        told = [*self._refused(pipeline), *_other_arms(*pipeline.arms),
+                *told_of_frozen(pipeline.frozen), *_velocities(pipeline.velocity_is_none), *rate]
         # Within the first second temperatures may just not have come yet.
         if before['joint_states']:
             told += self._missing_temperatures(pipeline.model, known)
@@ -74,6 +105,14 @@ class InputReport:
         if newest is None:
             return [pipeline.why_none, *told]
         return told or ([_UNUSABLE] if stopped else [])
+
+    def _rate(self, pipeline, count):
+        """Return what _rate says of `count` joint states, the others' among them."""
+        others, before = pipeline.passed_over, self._newest_before
+        count -= others - self._others_before
+        self._others_before = others
+        newest = pipeline.last_stamp
+        return [] if None in (newest, before) else _rate(count, newest - before)
 
     def _missing_temperatures(self, model, known):
         """Return sentences, none where the model asks for no temperature or all are known."""

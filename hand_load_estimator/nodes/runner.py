@@ -4,6 +4,7 @@ import gc
 import sys
 
 import rclpy
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
@@ -25,8 +26,8 @@ def _start(make_node, args):
         # rclpy's own handlers would end communication before `stop()` can send a last message.
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return make_node()
-    except (RuntimeError, ValueError) as error:
-        # rcl reports unreadable parameter files and bad --ros-args this way.
+    except (RuntimeError, ValueError, ParameterException) as error:
+        # rcl reports unreadable parameter files, bad --ros-args and types of its own this way.
         if type(error).__module__.startswith('rclpy') or 'rcl' in type(error).__name__.lower():
             reason = ' '.join(str(error).split())
             raise ConfigurationError('--ros-args', f'is not usable ({reason})') from None

@@ -5,7 +5,10 @@ import math
 
 import numpy as np
 
-from .heard_joints import HeardJoints
+from .arm_names import ArmNames
+from .continuity import Continuity
+from .frozen import Frozen
+from .velocities import Velocities
 
 # A backward step at least this long is a restarted clock or a looped recording, not jitter.
 RESTART_AFTER = 0.5
@@ -16,9 +19,6 @@ EFFORT_MARGIN = 3.0
 ENDLESS = 1e6
 # Closer stamps [s] than any joint state has are one stamp written twice.
 SHORTEST_STEP = 1e-6
-# Orders of names remembered; a driver that invents names must not fill the memory.
-_MOST_ORDERS = 100
-_NEW = object()
 
 
 class InputGuard:
@@ -26,47 +26,73 @@ class InputGuard:
     Map messages to arrays in the robot's joint order and reject what cannot be used.
 
     robot: names, limits, torque constants. rejected: reason -> count. Joints are found by name in
-    any order, also behind a tf_prefix; messages about other joints only (a gripper's) are not bad:
-    they are counted apart, in passed_over.
+    any order, also behind a tf_prefix (arm_names.py); messages about other joints only (a
+    gripper's) are not bad: they are counted apart, in passed_over. last_stamp [s]: of the newest
+    that could be read, also a jump; None before any.
     """
 
     def __init__(self, robot):
-        self._joints, limits = robot.joints, robot.limits
-        self._speed_limit = SPEED_MARGIN * limits.velocity
+        self._names = ArmNames(robot.joints)
+        self._course = Continuity(SPEED_MARGIN * robot.limits.velocity, robot.turning)
+        self._velocities, self._frozen = Velocities(), Frozen()
+        self.rejected, self.last_stamp = Counter(), None
+        self.use(robot)
+
+    def use(self, robot):
+        """Go on with the limits of another robot file of the same arm."""
+        limits = robot.limits
+        speed = SPEED_MARGIN * limits.velocity
+        self._course.speed_limit = speed
         effort = EFFORT_MARGIN * limits.torque / np.abs(robot.effort.torque_constants)
         # A turn beyond the stops is an encoder that counts on, more is not an angle.
         stops = np.clip(robot.stops, -ENDLESS, ENDLESS) + 2.0 * np.pi * np.array([[-1.0], [1.0]])
-        self._least = np.array([stops[0], -self._speed_limit, -effort])
-        self._most = np.array([stops[1], self._speed_limit, effort])
-        self._last_position = None
-        self._index_of, self._heard = {}, HeardJoints(robot.joints)
-        self.rejected, self.passed_over = Counter(), 0
-        self.last_stamp = None
-        self.restarted = False
+        self._least = np.array([stops[0], -speed, -effort])
+        self._most = np.array([stops[1], speed, effort])
+
+    @property
+    def restarted(self):
+        """Whether the clock or the arm jumped before the last message that passed."""
+        return self._course.restarted
+
+    @property
+    def passed_over(self):
+        """Number of joint states of other joints, or of another arm."""
+        return self._names.passed_over
+
+    @property
+    def arms(self):
+        """This arm's prefix in the joint states, None before any, and those (set) of others."""
+        return self._names.prefix, self._names.others
 
     @property
     def why_none(self):
         """In words why no joint state was usable, as long as none was."""
-        return self._heard.why_none(self.rejected)
+        return self._names.why_none(self.rejected)
+
+    @property
+    def frozen(self):
+        """For how long [s] joint states have been the same to the last bit."""
+        return self._frozen.seconds
+
+    @property
+    def velocity_is_none(self):
+        """Whether velocities are all zero while the arm moves, and count as missing."""
+        return self._velocities.none
 
     def accept(self, stamp, names, position, velocity, effort):
         """
         Return (3, n): q, v, effort, or None.
 
         v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface. `restarted` tells whether the clock or the arm jumped before
-        this message.
+        joint has no such interface, or always zero (velocities.py). q goes on over whole turns.
+        `restarted` tells whether the clock or the arm jumped before this message.
         """
-        key = tuple(names)
-        index = self._index_of.get(key, _NEW)
-        if index is _NEW:
-            index = self._note(key)
+        index = self._names.index(names)
         if index is None:
-            self.passed_over += 1
             return None
         if isinstance(index, str):
             return self._reject(index)
-        size = len(key)
+        size = len(names)
         if len(position) != size or len(effort) != size or len(velocity) not in (0, size):
             return self._reject('short_arrays')
         signal = np.array((position, velocity if len(velocity) else effort, effort),
@@ -78,16 +104,14 @@ class InputGuard:
             signal[1], within[1] = np.nan, True
         if np.count_nonzero(within) < within.size or not math.isfinite(stamp):
             return self._reject(self._fault(stamp, signal, within))
-        usable = self._forward(stamp) and self._continuous(stamp, signal[0])
-        return signal if usable else None
-
-    def _note(self, names):
-        """Return places() of a new order of names, and remember it."""
-        if len(self._index_of) >= _MOST_ORDERS:
-            self._index_of.clear()
-        self._index_of[names] = index = self.places(names)
-        self._heard.note(names, index)
-        return index
+        if not self._forward(stamp):
+            return None
+        self._frozen.look(stamp, signal)
+        position = self._course.follow(stamp, signal[0])
+        if position is None:
+            return self._reject('position_jump')
+        signal[0] = position
+        return self._velocities.checked(stamp, signal)
 
     def _fault(self, stamp, signal, within):
         """Return why a signal (3, n) that is not within limits everywhere (3, n) is refused."""
@@ -98,47 +122,15 @@ class InputGuard:
             return 'implausible_velocity'
         return 'implausible_position' if efforts else 'implausible_effort'
 
-    def places(self, names):
-        """
-        Return where the joints stand among the names of a message.
-
-        Indices (n,), a reason to reject, or None when no joint is of this robot.
-        """
-        index = {name: i for i, name in enumerate(names)}
-        prefixes = [''] if any(joint in index for joint in self._joints) else sorted(
-            {name[:-len(joint)] for name in names for joint in self._joints
-             if name.endswith(joint)})
-        if not prefixes:
-            return None
-        complete = [p for p in prefixes if all(p + joint in index for joint in self._joints)]
-        if len(complete) != 1 or any(list(names).count(complete[0] + j) > 1 for j in self._joints):
-            return 'ambiguous_joint' if complete else 'missing_joint'
-        return np.array([index[complete[0] + joint] for joint in self._joints])
-
     def _forward(self, stamp):
-        self.restarted = False
         if self.last_stamp is not None and stamp < self.last_stamp + SHORTEST_STEP:
             if self.last_stamp - stamp < RESTART_AFTER:
                 near = abs(stamp - self.last_stamp) < SHORTEST_STEP
                 self._reject('repeated_stamp' if near else 'backward_stamp')
                 return False
             self.rejected['clock_restart'] += 1
-            self.restarted = True
-            self._last_position = None
-        return True
-
-    def _continuous(self, stamp, q):
-        """Note an accepted state; refuse one that is farther away than the arm can have gone."""
-        if self._last_position is None:
-            # After a jump or a restarted clock the motion has no past.
-            self.restarted = True
-        else:
-            # The second term lets encoders quantise and clocks jitter.
-            reach = self._speed_limit * (stamp - self.last_stamp) + 0.02
-            if np.count_nonzero(np.abs(q - self._last_position) > reach):
-                self._last_position, self.last_stamp = None, stamp
-                return bool(self._reject('position_jump'))
-        self._last_position, self.last_stamp = q, stamp
+            self._course.forget()
+        self.last_stamp = stamp
         return True
 
     def _reject(self, reason):

@@ -32,6 +32,26 @@ class JointStream:
         return self._guard.passed_over
 
     @property
+    def arms(self):
+        """This arm's prefix in the joint states, None before any, and those (set) of others."""
+        return self._guard.arms
+
+    @property
+    def frozen(self):
+        """For how long [s] joint states have been the same to the last bit."""
+        return self._guard.frozen
+
+    @property
+    def velocity_is_none(self):
+        """Whether velocities are all zero while the arm moves, and count as missing."""
+        return self._guard.velocity_is_none
+
+    @property
+    def temperature_names(self):
+        """The names that temperatures are taken from."""
+        return self._temperatures.names
+
+    @property
     def why_none(self):
         """In words why no joint state was usable, as long as none was."""
         return self._guard.why_none
@@ -68,9 +88,13 @@ class JointStream:
             self._commands.restart()
         return self._commands.update(stamp, commanded)
 
+    def use(self, robot):
+        """Go on with the limits of another robot file of the same arm."""
+        self._guard.use(robot)
+
     def temperature_reading(self, joint, celsius):
         """Note one joint's temperature; other names are passed over, broken values counted."""
-        self._temperatures.take(joint, celsius)
+        self._temperatures.take(joint, celsius, self._guard.arms)
 
 
 def motion_samples(stream, recording):

@@ -22,20 +22,33 @@ class TemperatureNames:
     """
     Which joint a temperature is of, where other arms' joints have the same names behind a prefix.
 
-    A joint keeps the first name that told of it, and its own name wins; others are another arm's.
+    The prefix of the joint states tells, or else a joint's own name; of other names a joint keeps
+    the first that told of it.
     """
 
     def __init__(self, joints):
         self._joints, self._name_of = joints, {}
 
-    def index(self, name):
-        """Return the joint's index, or None."""
+    @property
+    def names(self):
+        """The names that temperatures are taken from."""
+        return sorted(self._name_of.values())
+
+    def index(self, name, arms=(None, ())):
+        """Return the joint's index, or None; arms: as of JointStream, by their joint states."""
+        prefix, others = arms
         index = joint_index(name, self._joints)
-        if index is None:
+        if index is None or name[:-len(self._joints[index])] in others:
             return None
-        if name == self._joints[index]:
-            self._name_of[index] = name
-        return index if self._name_of.setdefault(index, name) == name else None
+        known = self._name_of.get(index, name)
+        if self._rank(name, index, prefix) > self._rank(known, index, prefix):
+            known = name
+        self._name_of[index] = known
+        return index if known == name else None
+
+    def _rank(self, name, index, prefix):
+        own = self._joints[index]
+        return 2 * (prefix is not None and name == prefix + own) + (name == own)
 
 
 class JointTemperatures:
@@ -53,9 +66,18 @@ class JointTemperatures:
         # No reading expires before this: joint states come too often to look at all of them.
         self._none_expires_before = -np.inf
 
-    def take(self, name, celsius):
-        """Note one joint's temperature; other names are passed over, broken values counted."""
-        index = self._names.index(name)
+    @property
+    def names(self):
+        """The names that temperatures are taken from."""
+        return self._names.names
+
+    def take(self, name, celsius, arms=(None, ())):
+        """
+        Note one joint's temperature; other names are passed over, broken values counted.
+
+        arms: as of JointStream.
+        """
+        index = self._names.index(name, arms)
         if index is None:
             return
         low, high = PLAUSIBLE_TEMPERATURE

@@ -38,6 +38,21 @@ def model_of_robot(path, robot):
     return model
 
 
+def other_limits(own, robot):
+    """
+    Return [a sentence] on limits of a model's Robot that are not today's robot file's, or [].
+
+    Estimates go on with the model's: what was learned is scaled by them.
+    """
+    files = own.file, robot.file
+    names = [name for name in ('max_velocity', 'max_acceleration', 'max_torque') if not
+             np.array_equal(*(getattr(file, name) for file in files))]
+    if not np.array_equal(*(file.rated_load.to_message() for file in files)):
+        names.append('rated_load')
+    return [f'estimates count with {", ".join(names)} as the model file has it, not as the robot '
+            'file does now; identify again to change that'] if names else []
+
+
 def _otherwise(own, robot):
     """Yield (key, model's, robot's) of what both robot files say, and say otherwise."""
     if own.file.command_lag != robot.file.command_lag:

@@ -1,0 +1,188 @@
+"""Streams of real drivers: arms alike on one topic, whole turns, wrong messages, no velocities."""
+
+from types import SimpleNamespace
+
+from core_helpers import block, exact_model, feed, four_axes, messages, pipeline_of, warm
+import numpy as np
+from pipeline_helpers import within
+import pytest
+
+from hand_load_estimator.estimators.pipeline import TareError
+from hand_load_estimator.stream.arm_names import ArmNames
+from hand_load_estimator.stream.continuity import Continuity, ELSEWHERE
+from hand_load_estimator.stream.joint_stream import JointStream
+
+JOINTS = 'pan', 'lift'
+LEFT, RIGHT = (tuple(f'{side}_{joint}' for joint in JOINTS) for side in ('left', 'right'))
+STEP = 0.002
+MASS = 3.0
+
+
+def course(turning=True):
+    return Continuity(np.full(2, 5.0), np.full(2, turning))
+
+
+def test_the_arm_that_is_heard_first_is_kept():
+    arm = ArmNames(JOINTS)
+    assert list(arm.index(LEFT)) == [0, 1] and arm.index(RIGHT) is None
+    assert list(arm.index(LEFT[::-1])) == [1, 0] and arm.index(('finger',)) is None
+    assert arm.prefix == 'left_' and arm.others == {'right_'} and arm.passed_over == 2
+
+
+def test_joints_with_their_own_names_win():
+    arm = ArmNames(JOINTS)
+    assert arm.index(LEFT) is not None
+    assert arm.index(JOINTS) is not None and arm.index(LEFT) is None
+    assert arm.prefix == '' and arm.others == {'left_'}
+
+
+def test_whole_turns_are_taken_out():
+    """A joint that stands at half a turn flips between plus and minus of it with every noise."""
+    follow, angles = course().follow, [3.1415, -3.1416, 3.1414, -3.1414, -3.1410]
+    for k, angle in enumerate(angles):
+        q = follow(STEP * k, np.array([angle, 0.5]))
+        assert q == pytest.approx([angle % (2.0 * np.pi), 0.5])
+    assert course(turning=False).follow(0.0, np.array([3.1415, 0.0])) is not None
+
+
+def test_what_slides_has_no_turns():
+    """A rail that is told six metres from where it was has not turned around."""
+    rail = course(turning=False)
+    rail.follow(0.0, np.array([3.14, 0.0]))
+    assert rail.follow(STEP, np.array([-3.14, 0.0])) is None
+
+
+def test_a_wrong_message_now_and_then_costs_only_itself():
+    follow = course()
+    for k in range(500):
+        wrong = k % 50 == 20
+        q = follow.follow(STEP * k, np.array([2.0 if wrong else 0.01 * k * STEP, 0.0]))
+        assert (q is None) == wrong and follow.restarted == (k == 0)
+
+
+def test_of_two_that_contradict_each_other_the_first_is_followed():
+    follow = course()
+    told = [follow.follow(STEP * k, np.full(2, float(k % 2))) for k in range(200)]
+    assert all((q is None) == k % 2 for k, q in enumerate(told))
+
+
+def test_an_arm_that_is_elsewhere_for_good_is_followed_there():
+    follow = course()
+    follow.follow(0.0, np.zeros(2))
+    told = [follow.follow(0.01 + STEP * k, np.full(2, 2.0)) for k in range(100)]
+    first = next(k for k, q in enumerate(told) if q is not None)
+    assert STEP * first == pytest.approx(ELSEWHERE, abs=1.5 * STEP)
+    assert all(q is not None for q in told[first:]) and not follow.restarted
+
+
+@pytest.fixture(scope='module')
+def model():
+    return exact_model('four')
+
+
+@pytest.fixture(scope='module')
+def stream(model):
+    return messages(model, block(MASS), 4.0)
+
+
+def changed(message, **values):
+    return SimpleNamespace(**{**vars(message), **values})
+
+
+def behind(prefix, message):
+    return changed(message, names=tuple(prefix + name for name in message.names))
+
+
+def test_of_two_arms_on_one_topic_one_is_estimated(model, stream):
+    """Doing the same at once, one of them empty, they had been taken for one that holds half."""
+    empty = messages(model, block(0.0), 4.0, seed=3)
+    both = [m for pair in zip(stream, empty)
+            for m in (behind('left_', pair[0]), changed(behind('right_', pair[1]),
+                                                        stamp=pair[1].stamp + 1e-3))]
+    pipeline = warm(pipeline_of(model))
+    last = feed(pipeline, both)[-1]
+    assert within(last, block(MASS)) and last.status == 'DETERMINED'
+    assert pipeline.arms == ('left_', {'right_'})
+
+
+def test_joints_that_stand_at_half_a_turn_do_not_stop_the_estimate(model, stream):
+    turned = [changed(m, position=(m.position + np.pi * np.eye(4)[3] * (1 - 2 * (k % 2))))
+              for k, m in enumerate(stream)]
+    straight = [changed(m, position=m.position + np.pi * np.eye(4)[3]) for m in stream]
+    ours, wanted = (feed(warm(pipeline_of(model)), those)[-1] for those in (turned, straight))
+    np.testing.assert_allclose(ours.mean, wanted.mean, rtol=1e-6)
+
+
+def test_wrong_messages_do_not_stop_the_estimate(model, stream):
+    """Zeros of a second publisher, one message in fifty, had left no estimate at all."""
+    zeros = [changed(m, stamp=m.stamp + 1e-3, position=np.zeros(4), velocity=np.zeros(4),
+                     effort=np.zeros(4)) for m in stream[::10]]
+    pipeline = warm(pipeline_of(model))
+    last = feed(pipeline, sorted([*stream, *zeros], key=lambda m: m.stamp))[-1]
+    assert within(last, block(MASS)) and pipeline.rejected['position_jump'] > 20
+
+
+def test_what_only_jumps_is_stale_and_says_why(model, stream):
+    """A minute later it was still DETERMINED, and tare took it for what is held now."""
+    pipeline = warm(pipeline_of(model))
+    assert feed(pipeline, stream)[-1].status == 'DETERMINED'
+    last, samples = stream[-1], pipeline.estimates
+    for k in range(300):
+        now, place = last.stamp + 0.008 * (k + 1), 3.0 * (1 + k // 15 % 2)
+        pipeline.joint_state(now, last.names, last.position + place, last.velocity,
+                             last.effort + 1e-6 * k)
+    assert pipeline.estimates - samples < 5
+    told = pipeline.estimate(now)
+    assert told.status == 'STALE_INPUT' and 'though they arrive' in told.reason
+    assert 'position jump' in told.reason
+    with pytest.raises(TareError, match='STALE_INPUT'):
+        pipeline.tare(now)
+
+
+def test_a_driver_that_repeats_its_last_word_is_no_hand_to_tare(model, stream):
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, stream)
+    last = stream[-1]
+    for k in range(200):
+        now = last.stamp + 0.008 * (k + 1)
+        pipeline.joint_state(now, last.names, last.position, last.velocity, last.effort)
+    assert pipeline.frozen == pytest.approx(1.6, abs=0.02)
+    with pytest.raises(TareError, match='lost its robot'):
+        pipeline.tare(now)
+    pipeline.joint_state(now + 0.008, last.names, last.position + 1e-9, last.velocity,
+                         last.effort)
+    assert pipeline.frozen == 0.0
+
+
+def test_velocities_that_are_zero_while_the_arm_moves_are_none(model, stream):
+    """It waited for a motion for ever."""
+    zero = [changed(m, velocity=np.zeros(4)) for m in stream]
+    pipeline = warm(pipeline_of(model))
+    last = feed(pipeline, zero)[-1]
+    assert within(last, block(MASS)) and last.status == 'DETERMINED'
+    assert pipeline.velocity_is_none
+    feed(pipeline, [changed(m, stamp=m.stamp + 5.0) for m in stream[100:110]])
+    assert not pipeline.velocity_is_none
+
+
+def test_an_arm_at_rest_may_report_zeros(model):
+    stream = JointStream(model.robot)
+    for m in messages(model, block(1.0), 1.0, rest=1.0)[:100]:
+        stream.joint_state(m.stamp, m.names, m.position, np.zeros(4), m.effort)
+    assert not stream.velocity_is_none
+
+
+def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
+    """The first prefix heard had them, even another arm's."""
+    both = JointStream(four_axes())
+    both.temperature_reading('right_j1', 60.0)
+    assert both.temperature[1] == 60.0
+    first = behind('left_', stream[0])
+    both.joint_state(first.stamp, first.names, first.position, first.velocity, first.effort)
+    both.temperature_reading('left_j1', 25.0)
+    both.temperature_reading('right_j1', 60.0)
+    assert both.temperature[1] == 25.0 and both.temperature_names == ['left_j1']
+    second = behind('right_', stream[1])
+    both.joint_state(second.stamp, second.names, second.position, second.velocity, second.effort)
+    both.temperature_reading('right_j2', 60.0)
+    assert np.isnan(both.temperature[2])
