@@ -188,6 +188,10 @@ class Robot:
         shortened = 0.5 * np.sinc(0.5 * size / np.pi) ** 2 * np.outer(angles, gravity)
         return np.sinc(size / np.pi) * np.cross(self.tilt_axes(), gravity) - shortened
 
+    def turned_gravity(self, angles):
+        """Return gravity (3,) [m/s^2] in base axes, turned by angles (2,) as of tilt_regressor."""
+        return self.model.gravity.linear + np.asarray(angles) @ self._gravity_changes(angles)
+
     def _tilted(self, q, angles):
         """Return Y (n, 10 n) at rest in each part of gravity's change."""
         angles, rest = tuple(angles), np.zeros(self.n)

@@ -13,8 +13,9 @@ from hand_load_estimator.residual.diagnosis import Alternative
 from hand_load_estimator.residual.findings import alternatives_of, separating_motion
 from hand_load_estimator.residual.tracing.candidate import Candidate, Step
 from hand_load_estimator.residual.tracing.confusable import (advice, NO_KNOWN_MOTION, NO_MOTION,
-                                                             PAIRS, partners, same_torque)
+                                                             PAIRS, partners)
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
+from hand_load_estimator.residual.tracing.one_torque import is_its_link, weight_is_its_own
 from hand_load_estimator.robot import robot_from_content
 
 
@@ -38,12 +39,33 @@ def test_every_pair_has_a_motion_either_way(pair):
 
 def test_advice_says_so_where_no_motion_is_known():
     assert advice('torque_ripple', []) == ''
-    assert advice('coulomb_friction', ['base_tilt']) == f'{NO_KNOWN_MOTION} base_tilt'
-    both = advice('cable_drag', ['gravity_spring', 'backlash'])
-    assert both.startswith('move the joint over a whole turn') and both.endswith(' backlash')
+    assert advice('friction_asymmetry', ['viscous_friction']) == (
+        f'{NO_KNOWN_MOTION} viscous_friction')
+    both = advice('friction_asymmetry', ['torque_offset', 'viscous_friction'])
+    assert both.startswith('reverse the joint') and both.endswith(f'{NO_KNOWN_MOTION} '
+                                                                  'viscous_friction')
     assert 'in several poses' in advice('cable_drag', ['base_tilt'])
     # Its own name on other joints is no effect to be told from.
     assert advice('cable_drag', ['cable_drag']) == ''
+    assert 'joint between both links' in advice('link_inertia', ['link_inertia'])
+
+
+def test_what_follows_different_variables_is_told_apart_by_them():
+    told = advice('coulomb_friction', ['base_tilt'])
+    assert told.startswith('coulomb_friction follows velocity, base_tilt position: move so')
+
+
+def test_a_weight_that_nothing_turns_is_told_from_a_cable_by_its_sine():
+    """Turning the first joint of an upright arm changes nothing at the second."""
+    for own_weight, motion in ((True, 'a whole turn'), (False, 'in several poses')):
+        assert motion in advice('link_inertia', ['cable_drag'], own_weight)
+    arm = ur10e()
+    assert [weight_is_its_own(arm, j) for j in range(5)] == [True, True, False, False, False]
+
+
+def test_nobody_is_told_to_hold_still():
+    """At rest friction hides everything, and recordings that only hold are refused."""
+    assert not any('still' in motion for motion in PAIRS.values())
 
 
 def test_what_is_left_open_on_measured_arms_has_a_motion():
@@ -55,27 +77,33 @@ def test_what_is_left_open_on_measured_arms_has_a_motion():
         assert NO_KNOWN_MOTION not in advice(name, others)
 
 
-def test_effects_of_the_same_torque_are_told():
-    rotor, other = np.random.default_rng(3).normal(size=(2, 100, 1))
-    assert same_torque(rotor, rotor * [0.0, 2.0, -3.0])
-    assert not same_torque(rotor, np.hstack([rotor, 1e-3 * other]))
+@pytest.mark.parametrize('name', ['rotor_inertia', 'gravity_spring'])
+def test_what_only_the_link_of_its_joint_can_be_told_from_by_no_motion(name):
+    """Of an upright arm that is the second joint's spring and rotor, of others it is not."""
+    robot, rng = ur10e(), np.random.default_rng(3)
+    motions = rng.normal(size=(3, 60, robot.n))
+    links = np.array([robot.link_regressor(*row) for row in zip(*motions)])
+    residual = SimpleNamespace(columns=links, x=SimpleNamespace(
+        q=motions[0], v=motions[1], a=motions[2]))
+    same = [is_its_link(name, j, residual) for j in range(5)]
+    assert same == [name == 'rotor_inertia', True, False, False, False]
 
 
-@pytest.mark.parametrize('gravity, same', [([0.0, 0.0, -9.81], True), ([0.5, 0.0, -9.8], False)])
-def test_a_rotor_and_the_first_link_of_an_upright_arm_are_one_to_recordings(gravity, same):
+@pytest.mark.parametrize('gravity', [[0.0, 0.0, -9.81], [0.5, 0.0, -9.8]])
+def test_a_rotor_and_the_inertia_of_the_first_link_are_one_to_recordings(gravity):
     robot, rng = robot_from_content({**ur10e().file.content, 'gravity': gravity}, 'arm'), \
         np.random.default_rng(4)
     motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
     links = np.array([robot.link_regressor(*qva) for qva in motions])
     acceleration = np.array([[a[0]] for _, _, a in motions])
-    cold = SimpleNamespace(warmth=np.zeros((50, robot.n)))
+    cold = SimpleNamespace(warmth=np.zeros((50, robot.n)), a=np.array([a for *_, a in motions]))
     residual = SimpleNamespace(columns=links, x=cold)
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))
-    assert separating_motion(robot, residual, chosen, ()).startswith(NO_MOTION) == same
+    assert separating_motion(robot, residual, chosen, ()).startswith(NO_MOTION)
     # Nobody chose the first link: it gains what the rotor does, and is named all the same.
     others = alternatives_of(robot, residual, Step(chosen, (), None, 1.0))
-    assert others == ((Alternative('link_inertia', (robot.joints[0],), 0.0, 0.0),) if same else ())
+    assert others == (Alternative('link_inertia', (robot.joints[0],), 0.0, 0.0),)
     # Another link is something else, and told from the rotor as ever.
     told = separating_motion(robot, residual, chosen, ['link_inertia'])
     assert told.endswith(advice('rotor_inertia', ['link_inertia']))

@@ -12,6 +12,8 @@ from test_known_recordings import made_of, on_disk
 from hand_load_estimator.effects import EFFECTS
 from hand_load_estimator.files.recording_mark import RecordingMark
 from hand_load_estimator.identification.identify import identify
+from hand_load_estimator.load import products_from_message
+from hand_load_estimator.report.diagnosis_page import sentences
 from hand_load_estimator.residual.add import better_model
 from hand_load_estimator.residual.change_of import change_covariance
 from hand_load_estimator.residual.diagnose import diagnose
@@ -221,3 +223,20 @@ def test_an_angle_of_a_spring_near_half_a_turn_has_an_interval():
         told = _derived(effect, {}, values, 0.01 * np.eye(2))
         mean, std, _ = told['angle']
         assert mean == pytest.approx(angle) and std == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_part_of_a_link_that_the_one_before_may_hold_is_named_with_both():
+    """A mass on the axis of its joint is the same torque on either link."""
+    products = products_from_message(np.array([0.3, 0.0, 0.1, *np.zeros(7)]))
+
+    def heavier(run):
+        links = np.zeros(40)
+        links[20:30] = products
+        return np.array([run.robot.link_regressor(*row) @ links
+                         for row in zip(run.x.q, run.x.v, run.x.a)])
+
+    diagnosis, _ = diagnosed(heavier)
+    (found,) = (f for f in diagnosis.findings if f.verdict == CONFIRMED)
+    links = {found.joints} | {a.joints for a in found.alternatives if a.name == 'link_inertia'}
+    assert links == {('j1',), ('j2',)} and 'look at both' in found.advice
+    assert 'or link inertia of' in sentences(diagnosis)[0]

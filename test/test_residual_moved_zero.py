@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 
+from core_helpers import four_axes
 import numpy as np
+import pinocchio as pin
 import pytest
 from residual_helpers import declared_model, diagnosed, recorded, told
 
@@ -44,3 +46,26 @@ def test_a_link_that_has_changed_is_no_zero(moments):
     diagnosis, _ = diagnosed(other)
     assert told(diagnosis) == {'link_inertia': (robot.joints[2],)}
     assert not diagnosis.moved_zero
+
+
+def test_on_a_wall_a_base_turned_about_the_first_axis_is_told_as_well():
+    """A bracket that sits askew had been an encoder that had moved, and nothing else."""
+    hanging = four_axes(gravity=[9.81, 0.0, 0.0])
+    plain = declared_model.__wrapped__()
+    model, angle = replace(plain, robot=hanging), 0.03
+    turned = hanging.model.copy()
+    turned.gravity.linear = 9.81 * np.array([np.cos(angle), np.sin(angle), 0.0])
+    data = turned.createData()
+    evidence = []
+    for e in recorded():
+        change = [pin.computeGeneralizedGravity(turned, data, q) for q in e.motion.q]
+        fixed = np.array(change) - [plain.robot.rigid_torque(q, 0.0 * q, 0.0 * q)
+                                    for q in e.motion.q]
+        evidence.append(replace(e, torque=e.torque + fixed))
+    diagnosis, _ = diagnose(model, evidence[:-1], evidence[-1:])
+    assert 'zero of j0' in diagnosis.moved_zero
+    assert 'or the base is mounted turned about it' in diagnosis.moved_zero
+    (lean,) = (f for f in diagnosis.findings if f.name == 'base_tilt')
+    gravity = np.array([lean.parameters[f'gravity_{axis}'][0] for axis in 'xyz'])
+    np.testing.assert_allclose(gravity, turned.gravity.linear, atol=0.05)
+    assert np.linalg.norm(gravity) == pytest.approx(9.81)

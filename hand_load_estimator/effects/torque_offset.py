@@ -10,6 +10,6 @@ def _columns(x, j, _):
 
 
 TORQUE_OFFSET = Effect(
-    'torque_offset', 'constant: sensor zero, unequal friction levels of the directions',
+    'torque_offset', 'constant: sensor zero, or unequal friction levels of the directions',
     'Swevers et al. 2007', (('level', 'Nm'),), (0.02,), _columns, in_link_torque=True,
     against='time', default=True)

@@ -92,8 +92,9 @@ def _sentence(finding, diagnosis):
 
 def _named(finding, joints):
     """Return where and what, and what the recordings do not tell from it."""
-    others = dict.fromkeys(name_words(other.name) for other in finding.alternatives
-                           if other.name != finding.name)
+    others = dict.fromkeys(
+        name_words(other.name) + f' of {", ".join(other.joints)}' * (other.name == finding.name)
+        for other in finding.alternatives)
     untold = f' (or {" or ".join(others)}: not told apart)' if others else ''
     return f'{where(finding, joints)}: {what(finding)}{untold}'
 

@@ -12,9 +12,10 @@ from .doubts.limits import LEAST_WARMING
 from .doubts.unknown import left_over
 from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
-from .tracing.confusable import advice, NO_MOTION, same_torque
+from .tracing.confusable import advice, NO_MOTION
 from .tracing.effort_filter import filtered_instead
 from .tracing.hypotheses import ONE_CAUSE
+from .tracing.one_torque import is_its_link, OF_A_LINK, weight_is_its_own
 from .tracing.shape_doubt import NO_DOUBT, shape_doubt
 
 _MOST_PICTURES = 3
@@ -72,8 +73,11 @@ def _finding(models, trace, step, blocks, odd, searched):
         _parameters(model, better, chosen, searched),
         _explained(without, partial - torque, residual.weights),
         _evidence(robot.joints, trace, step, torque), (*alternatives, *filtered),
-        separating_motion(robot, residual, chosen,
-                          [other.name for other in (*step.alternatives, *filtered)]),
+        separating_motion(
+            robot, residual, chosen,
+            [a.name for a in step.alternatives if a.joints != chosen.joints],
+            [a.name for a in (*(a for a in step.alternatives if a.joints == chosen.joints),
+                              *filtered)]),
         trace.declared(chosen), CONFIRMED if sure else SUSPECTED,
         _pictures(robot, residual, partial, chosen),
         (chosen.variable,) if chosen.name == UNKNOWN else ())
@@ -90,7 +94,8 @@ def alternatives_of(robot, residual, step):
     found = [Alternative(other.name, _joints(robot, other), less.gain, less.std)
              for other in step.alternatives for less in [ahead(step.chosen, other)]]
     # What is the same torque the choice did not ask for, and no block could tell.
-    same = [(LINK_INERTIA.name, (robot.joints[0],))] * _is_first_link(residual, step.chosen)
+    same = [(name, _joints(robot, step.chosen)) for name in _of_its_link(residual, step.chosen)
+            if name not in {a.name for a in found if a.joints == _joints(robot, step.chosen)}]
     same += [(UNDECLARED_LOAD, _joints(robot, step.chosen))] * _is_last_link(robot, step.chosen)
     same += [(name, _joints(robot, step.chosen)) for name in _by_warmth(residual, step.chosen)]
     return (*(Alternative(name, joints, 0.0, 0.0) for name, joints in same), *found)
@@ -166,16 +171,25 @@ def _evidence(joints, trace, step, torque):
                     {joints[j]: gain for j, gain in by_joint.items()}, step.next_possible)
 
 
-def separating_motion(robot, residual, chosen, alternatives):
-    """Return in words the motion that tells a Candidate from its alternatives' names, or ''."""
+def separating_motion(robot, residual, chosen, elsewhere, here=()):
+    """
+    Return in words the motion that tells a Candidate from its alternatives, or ''.
+
+    elsewhere, here: names of those on other joints, and on its own.
+    """
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
-    told = [advice(chosen.name, [*_by_warmth(residual, chosen), *alternatives])]
-    if _is_first_link(residual, chosen):
-        told.insert(0, f'{NO_MOTION} it from the inertia of the first link, which turns about the '
-                    'axis of its own joint only, as the rotor does; the model holds the sum of '
-                    'both')
+    same = _of_its_link(residual, chosen, here)
+    others = [*_by_warmth(residual, chosen), *elsewhere,
+              *(name for name in here if name not in same)]
+    own_weight = len(chosen.joints) == 1 and weight_is_its_own(robot, chosen.joints[0])
+    told = [advice(chosen.name, others, own_weight)]
+    if same:
+        names = ' and '.join(dict.fromkeys((chosen.name, *same)))
+        told.insert(0, f'{NO_MOTION} {names} here: the link\'s weight across the axis of its joint '
+                    'pulls as a spring, its inertia about it as a rotor; the model holds the sum; '
+                    'another mounting, or weighing the link, tells')
     if _is_last_link(robot, chosen):
         told.insert(0, f'{NO_MOTION} it from a load in the hand other than declared: take '
                     'everything off the hand, or declare what is there (load.yaml)')
@@ -187,12 +201,20 @@ def _is_last_link(robot, chosen):
     return chosen.name == LINK_INERTIA.name and robot.n - 1 in chosen.joints
 
 
-def _is_first_link(residual, chosen):
-    """Tell whether a Candidate is a rotor whose first link asks for the same torque."""
-    if chosen.name != 'rotor_inertia' or chosen.joints != [0]:
-        return False
-    (rotor, _), = chosen.parts
-    return same_torque((rotor.prompt or rotor.columns)[0], residual.columns[:, 0, :10])
+def _of_its_link(residual, chosen, alternatives=()):
+    """
+    Return the names of what no motion can tell a Candidate of one joint from.
+
+    alternatives: names that recordings do not tell it from; a link is asked about these only.
+    """
+    if len(chosen.joints) != 1 or chosen.common:
+        return []
+    joint, = chosen.joints
+    if chosen.name == LINK_INERTIA.name:
+        return [name for name in OF_A_LINK if name in alternatives
+                and is_its_link(name, joint, residual)]
+    alike = chosen.name in OF_A_LINK and is_its_link(chosen.name, joint, residual)
+    return [LINK_INERTIA.name] * alike
 
 
 def _explained(without, left, weights):
@@ -220,6 +242,11 @@ def _parameters(model, better, chosen, searched):
         values = _of_link(model, better, hypothesis) if chosen.name == 'link_inertia' \
             else _of_effect(model, better, hypothesis, searched.get(hypothesis.joint, NO_DOUBT))
         out |= {name + joint: value for name, value in values.items()}
+    if chosen.name == 'base_tilt':
+        # What is to stand in the robot file: the angles turn gravity, the base leans against it.
+        gravity = better.robot.turned_gravity(better.layout.tilt(better.mean))
+        out |= {f'gravity_{axis}': (value, np.nan, 'm/s^2')
+                for axis, value in zip('xyz', gravity)}
     return out
 
 

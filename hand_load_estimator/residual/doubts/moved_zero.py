@@ -21,6 +21,7 @@ from ..tracing.hypothesis import beside_delays, Hypothesis
 # What a zero elsewhere looks like.
 IMITATED = (LINK_INERTIA.name, 'gravity_spring', 'base_tilt')
 SCALE = 0.01  # [rad]
+LIFTS = 1e-3  # [-] of its torque limit, above which the first joint carries weight
 # The secant from no angle to the one found so far, so many times: large angles bend the torque.
 _SECANTS = 3
 
@@ -54,9 +55,20 @@ def _result(robot, joint, angle):
     """Return what happened in a sentence."""
     # Turned about the last axis the hand turns too, and nothing tells one from the other.
     held = ', or what the hand holds sits turned about it' * (joint == robot.joints[-1])
+    # Turned about the first axis, where that is not upright, the whole arm leans.
+    if joint == robot.joints[0] and _first_joint_lifts(robot):
+        held += ', or the base is mounted turned about it'
     return (f'The zero of {joint} seems to have moved, and nothing else that is suspected: its '
             f'angle is recorded {angle} rad from where it was{held}. Correct it (mastering, '
             f'encoder), or identify {robot.name} anew')
+
+
+def _first_joint_lifts(robot):
+    """Tell whether the first joint carries weight, as that of no upright arm does."""
+    rng, rest = np.random.default_rng(0), np.zeros(robot.n)
+    weight = [robot.rigid_torque(rng.uniform(-2.0, 2.0, robot.n), rest, rest)[0]
+              for _ in range(10)]
+    return bool(np.abs(weight).max() > LIFTS * robot.limits.torque[0])
 
 
 def _angle(zero):

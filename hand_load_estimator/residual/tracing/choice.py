@@ -1,5 +1,6 @@
 """Choose among candidates: the simplest that is as good as the best, and what stands beside it."""
 
+from ...effects import LINK_INERTIA
 from ..diagnosis import UNKNOWN
 from .candidate import alike, Step, tied
 from .confusable import CLOSE
@@ -20,7 +21,9 @@ def chosen_step(best, ranked, needed, every):
         tied(best, c) or looks_like(best, c))]
     simplest = min([best, *equal], key=lambda c: (c.size, -c.gain))
     others = [best, *(c for c in rivals if alike(best, c))]
-    alternatives = tuple(c for c in others if c.name not in (simplest.name, UNKNOWN))
+    # Much of a link can be a part of the one before it.
+    alternatives = tuple(c for c in others if c.name != UNKNOWN and (
+        c.name != simplest.name or c.name == LINK_INERTIA.name and c.joints != simplest.joints))
     lesser = sorted((c for c in every if _instead(c, simplest)), key=lambda c: -c.gain)
     runner_up = next((c for c in [best, *rivals, *lesser] if _other(c, simplest)), None)
     return Step(simplest, alternatives, runner_up, needed)
