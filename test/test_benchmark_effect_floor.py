@@ -5,7 +5,7 @@ from plant_helpers import ur10e
 import pytest
 
 from hand_load_estimator.benchmark import effect_recordings
-from hand_load_estimator.benchmark.cases import identification_evidence
+from hand_load_estimator.benchmark.cases import identification_evidence, Recorded
 from hand_load_estimator.benchmark.effect_errors import rms, torque_rmse
 from hand_load_estimator.benchmark.effect_floor import FORGOTTEN
 from hand_load_estimator.identification.identify import identify
@@ -28,7 +28,7 @@ def brief():
 def model(brief):
     """Return the TorqueModel of a plant without effects."""
     return identify(ur10e(), identification_evidence(
-        ur10e(), PLANT, recorded=(('excite', 20.0, 20.0), ('excite', 35.0, 20.0))))
+        ur10e(), PLANT, recorded=Recorded((('excite', 20.0, 20.0), ('excite', 35.0, 20.0)))))
 
 
 def floor(model, name=None, **entry):

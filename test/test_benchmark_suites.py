@@ -1,16 +1,20 @@
 """Suites draw what they say, and their extra arms come from URDFs."""
 
+from dataclasses import replace
+
 from core_helpers import four_axes
 import numpy as np
 import pytest
 
 from hand_load_estimator import seeds
 from hand_load_estimator.benchmark import arms, suites
-from hand_load_estimator.benchmark.suites import (cases_of, recorded_words, SUITES,
+from hand_load_estimator.benchmark.cases import case_arguments
+from hand_load_estimator.benchmark.suites import (cases_of, recorded_words, ROOM, SUITES,
                                                   UNDECLARED)
 from hand_load_estimator.benchmark.wrist_swing import LEAST_ACCELERATION, wrist_swing
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.files.shared_files import find_shared
+from hand_load_estimator.plant import Plant
 from hand_load_estimator.plant.hidden import EFFECTS
 from hand_load_estimator.robot import load_robot
 
@@ -177,3 +181,16 @@ def test_arms_need_their_package(monkeypatch):
 def test_the_recordings_of_a_suites_models_are_told():
     assert recorded_words(SUITES['base']) == '4 recordings of 160 s in all'
     assert recorded_words(SUITES['sparse']) == 'one 20 s recording'
+
+
+def test_a_warm_arm_in_a_cool_room_is_warmer_than_its_sensors_say():
+    """Everywhere else arm, sensors and room have one temperature at the start."""
+    robot = load_robot(find_shared('ur10e', 'robots'))
+    case = SUITES['room'].draw(robot, 1, 3_000_000)
+    assert case.room == ROOM < 30.0 <= case.temperature <= 50.0
+    soaked = replace(case, room=None)
+    own, same = (Plant(robot, **case_arguments(c)) for c in (case, soaked))
+    # Sensors have the same noise in both.
+    lag = same.measure_temperatures() - own.measure_temperatures()
+    assert (lag >= 0.0).all() and np.median(lag) > 0.3
+    assert SUITES['room'].recorded.room == ROOM and SUITES['base'].recorded.room is None

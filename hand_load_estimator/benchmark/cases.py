@@ -25,11 +25,26 @@ SPEEDS = (0.3, 1.0)
 
 
 @dataclass(frozen=True)
+class Recorded:
+    """
+    How a plant's recordings were made, from which its models are identified.
+
+    motions: (motion, start temperature [degC], seconds) of each; told: whether temperatures are;
+    room: temperature around the arm [degC], None where it is as warm as the arm.
+    """
+
+    motions: tuple = IDENTIFICATION
+    told: bool = True
+    room: float | None = None
+
+
+@dataclass(frozen=True)
 class Case:
     """
     One run: plant seed, case seed, load, start temperature [degC], speed (share), motion.
 
-    hidden: entries of an effects file, what happened to the arm after its identification.
+    hidden: entries of an effects file, what happened to the arm after its identification; room:
+    as of Recorded.
     """
 
     plant: int
@@ -39,6 +54,7 @@ class Case:
     speed: float
     motion: str = 'pick_place'
     hidden: tuple = ()
+    room: float | None = None
 
 
 def draw_load(robot, rng, masses=(0.0, HEAVIEST), radii=(0.03, 0.2), off=0.1):
@@ -99,19 +115,15 @@ def untold(motion):
     return replace(motion, temperature=np.full_like(motion.temperature, np.nan))
 
 
-def identification_evidence(robot, plant, load=LoadParameters(), recorded=None, told=True):
-    """
-    Return the Evidence of a plant's recordings with a known load, none by default.
-
-    recorded: (motion, temperature [degC], seconds) of each, IDENTIFICATION unless given; told:
-    whether temperatures are.
-    """
+def identification_evidence(robot, plant, load=LoadParameters(), recorded=Recorded()):
+    """Return the Evidence of a plant's recordings with a known load, none by default."""
     out = []
-    for k, (name, temperature, seconds) in enumerate(recorded or IDENTIFICATION):
+    for k, (name, temperature, seconds) in enumerate(recorded.motions):
         motion = named_motion(name, robot, seconds, 1.0, 10 * plant + k)
         samples = simulated(robot, motion, seed=plant, run=k + 1,
-                            start_temperature=temperature, load=load)
-        samples = samples if told else [untold(sample) for sample in samples]
+                            start_temperature=temperature, ambient_temperature=recorded.room,
+                            load=load)
+        samples = samples if recorded.told else [untold(sample) for sample in samples]
         label = f'plant {plant}, {name} at {temperature:g} degC'
         out.append(prepare(robot, label, Motion.of(samples), load))
     return out
@@ -127,7 +139,7 @@ def case_motion(robot, case):
 def case_arguments(case):
     """Return the Plant's arguments of a Case but for what is hidden."""
     return {'seed': case.plant, 'run': case.seed, 'start_temperature': case.temperature,
-            'load': case.load}
+            'ambient_temperature': case.room, 'load': case.load}
 
 
 def hidden_effects(robot, case):

@@ -15,7 +15,7 @@ from ..load import LoadParameters
 from ..plant import Plant
 from ..robot import load_robot
 from .bound import Bound
-from .cases import identification_evidence, untold
+from .cases import identification_evidence, Recorded, untold
 from .contestants import (chosen_methods, contestants, cost_of, DEFAULT, functions_of, KNOWN_LOAD,
                           REGRESSOR, RegressorClock)
 from .friction_start import case_run_and_start
@@ -29,17 +29,15 @@ MOMENTS = tuple(f'{t:g} s' for t in TIMES) + ('end',)
 RATE = 500.0                              # [Hz] of the simulated joint states
 
 
-def plant_models(robot, plant, functions=(), folder=None, recorded=None, told=True):
+def plant_models(robot, plant, functions=(), folder=None, recorded=Recorded()):
     """
     Return the models of one plant: ours, the textbook one, the nominal one.
-
-    recorded, told: as of identification_evidence.
 
     functions: names of PREDICTORS that learn, each into a folder of its own below `folder`, what
     ours leaves without load, and KNOWN_LOAD for what it leaves with half of the rated load;
     {function: folder} is the entry `difference`.
     """
-    evidence = identification_evidence(robot, plant, recorded=recorded, told=told)
+    evidence = identification_evidence(robot, plant, recorded=recorded)
     noise = Plant(robot, seed=plant).noise
     models = {'ours': identify(robot, evidence),
               'textbook': textbook_model(robot, evidence),
@@ -47,7 +45,7 @@ def plant_models(robot, plant, functions=(), folder=None, recorded=None, told=Tr
     if functions:
         models['difference'] = {name: learn_function(
             name, folder, models['ours'], evidence if name != KNOWN_LOAD else
-            identification_evidence(robot, plant, _half(robot.rated_load), recorded, told))
+            identification_evidence(robot, plant, _half(robot.rated_load), recorded))
             for name in functions}
     return models
 
@@ -65,12 +63,12 @@ def _half(load):
 
 # Suites share plants: one process often meets the same plant again.
 @lru_cache(maxsize=2)
-def robot_and_models(robot_path, plant, functions, recorded=None, told=True):
+def robot_and_models(robot_path, plant, functions, recorded=Recorded()):
     """Return the Robot of a file and the plant_models of one plant seed."""
     robot = load_robot(robot_path)
     folder = tempfile.mkdtemp(prefix='hand_load_')
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return robot, plant_models(robot, plant, functions, folder, recorded, told)
+    return robot, plant_models(robot, plant, functions, folder, recorded)
 
 
 def run_case(robot, case, models, learned=None, methods=None, rivals=(), told=True):
@@ -129,8 +127,7 @@ def measure_plant(suite, robot_path, plant, case_seeds, learned, methods, rivals
     Offline rivals take part in the plant's first case only: they are slow and do not learn.
     """
     own = SUITES[suite]
-    robot, models = robot_and_models(robot_path, plant, functions_of(methods), own.recorded,
-                                     own.told)
+    robot, models = robot_and_models(robot_path, plant, functions_of(methods), own.recorded)
     return [run_case(robot, own.draw(robot, plant, seed), models, learned, methods,
-                     rivals if k == 0 else (), own.told)
+                     rivals if k == 0 else (), own.recorded.told)
             for k, seed in enumerate(case_seeds)]

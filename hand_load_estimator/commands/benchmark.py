@@ -26,7 +26,8 @@ def add_arguments(parser):
                              'already is kept')
     parser.add_argument('--suite', default='base', metavar='NAMES',
                         help='base (25 plants x 8 cases), development (the same on other seeds), '
-                             'cold, warm, slow, fast, sparse (identified from little), '
+                             'cold, warm, room (warm, in a cool one), slow, fast, '
+                             'sparse (identified from little), '
                              'inertia, undeclared, arms, changes, suggestion (following '
                              'suggested motions), pushes (on the hand), real, cost, soak, '
                              'retraining (the artefact beside a better model), ageing (what '
