@@ -7,10 +7,12 @@ import numpy as np
 from pipeline_helpers import within
 import pytest
 
+from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.estimators.estimation import estimate_recording
 from hand_load_estimator.estimators.pipeline import TareError
 from hand_load_estimator.stream.arm_names import ArmNames
 from hand_load_estimator.stream.continuity import Continuity, ELSEWHERE
-from hand_load_estimator.stream.joint_stream import JointStream
+from hand_load_estimator.stream.joint_stream import JointStream, motion_of
 
 JOINTS = 'pan', 'lift'
 LEFT, RIGHT = (tuple(f'{side}_{joint}' for joint in JOINTS) for side in ('left', 'right'))
@@ -186,3 +188,13 @@ def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
     both.joint_state(second.stamp, second.names, second.position, second.velocity, second.effort)
     both.temperature_reading('right_j2', 60.0)
     assert np.isnan(both.temperature[2])
+
+
+def test_a_recording_of_two_arms_alike_is_refused(model, stream):
+    both = [behind(side, changed(m, stamp=m.stamp + 1e-3 * (side == 'right_')))
+            for m in stream[:50] for side in ('left_', 'right_')]
+    recording = SimpleNamespace(path='bag', samples=both)
+    for use in (lambda: motion_of(model.robot, recording),
+                lambda: estimate_recording(warm(pipeline_of(model)), recording)):
+        with pytest.raises(RecordingError, match="bag: .*'left_', 'right_'"):
+            use()

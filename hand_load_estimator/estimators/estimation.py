@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..recording import TemperatureSample
+from ..stream.arm_names import refuse_several
 
 SCHEMA = 'hand_load/estimate/1'
 # Spacing of history entries [s] where the messages themselves are closer.
@@ -32,7 +33,11 @@ def _plain(values):
 
 
 def estimate_recording(pipeline, recording):
-    """Return the estimate of a Recording as plain JSON content; causal."""
+    """
+    Return the estimate of a Recording as plain JSON content; causal.
+
+    Raises RecordingError for one of several arms alike.
+    """
     # time goes on from where it was when the clock of a looped recording restarts
     time, stamp, last, history, believed = 0.0, None, -np.inf, _History(), None
     for item in recording.samples:
@@ -51,6 +56,7 @@ def estimate_recording(pipeline, recording):
         if time - last >= 0.5 * SPACING - 1e-4:
             last = time
             history.add(time, believed or pipeline.method.belief())
+    refuse_several(pipeline.arms, recording.path)
     # What could not be used at the end counts: the load may be another one by then.
     final = pipeline.estimate(0.0 if stamp is None else pipeline.last_stamp)
     std = final.std

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..errors import RecordingError
 from .heard_joints import HeardJoints
 
 # Orders of names remembered; a driver that invents names must not fill the memory.
@@ -60,6 +61,15 @@ class ArmNames:
         self._places[names] = found = places(names, self._joints)
         self._heard.note(names, found[0])
         return found
+
+
+def refuse_several(arms, name):
+    """Raise RecordingError where a recording of a name has arms alike; arms: of JointStream."""
+    prefix, others = arms
+    if prefix and others:
+        told = ', '.join(map(repr, sorted({prefix, *others})))
+        raise RecordingError(f'{name}: has joint states of more arms than one, behind {told}; '
+                             'name the joints in the robot file with the prefix of one of them')
 
 
 def places(names, joints):

@@ -1,6 +1,7 @@
 """Messages in, MotionSamples out: the guard and the filter as nodes and files both use them."""
 
 from ..motion import Motion, MotionFilter
+from .arm_names import refuse_several
 from .commanded_positions import CommandedPositions
 from .input_guard import InputGuard
 from .joint_temperatures import JointTemperatures
@@ -110,6 +111,8 @@ def motion_samples(stream, recording):
 
 
 def motion_of(robot, recording):
-    """Return (Motion, rejected counts) of a Recording."""
+    """Return (Motion, rejected counts) of a Recording; RecordingError for one of two arms."""
     stream = JointStream(robot)
-    return Motion.of(list(motion_samples(stream, recording))), dict(stream.rejected)
+    samples = list(motion_samples(stream, recording))
+    refuse_several(stream.arms, recording.path)
+    return Motion.of(samples), dict(stream.rejected)
