@@ -111,4 +111,4 @@ def test_a_first_reading_that_comes_late_leaves_no_recording_without_temperature
         others = [other.name for other in found.alternatives]
         assert found.name == 'coulomb_friction'
         assert ('temperature_dependent_coulomb_friction' in others) == (celsius[0] == celsius[1])
-        assert ('cold and warm' in found.advice) == (celsius[0] == celsius[1])
+        assert ('at three temperatures' in found.advice) == (celsius[0] == celsius[1])
