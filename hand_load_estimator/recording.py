@@ -247,7 +247,7 @@ def arrays(recording, joints):
     """
     arm, rows = ArmNames(joints), []
     for sample in recording.joint_samples:
-        indices = arm.index(sample.names)
+        indices = arm.index(sample.names, sample.stamp)
         if isinstance(indices, np.ndarray):
             size = len(sample.names)
             rows.append((sample.stamp, *(_picked(values, indices, size) for values in

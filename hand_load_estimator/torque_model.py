@@ -130,7 +130,7 @@ class TorqueModel:
         return ColumnLayout(self.robot.n, self.uses)
 
     def link_pull(self, x, load=None):
-        """Return link_pull.link_pull (N, n) [Nm], twice, at an EffectInput; load: products (10,)."""
+        """Return link_pull.link_pull (N, n) [Nm], twice; x: EffectInput; load: products (10,)."""
         leans = self.layout.tilt(self.mean).any()
         return link_pull(self.layout, x, self.mean, tilt_along(
             self.robot, self.layout, x.q, self.mean, load) if leans else None)

@@ -10,8 +10,9 @@ import pytest
 from hand_load_estimator.errors import RecordingError
 from hand_load_estimator.estimators.estimation import estimate_recording
 from hand_load_estimator.estimators.pipeline import TareError
-from hand_load_estimator.stream.arm_names import ArmNames
+from hand_load_estimator.stream.arm_names import ArmNames, refuse_several, SILENT
 from hand_load_estimator.stream.continuity import Continuity, ELSEWHERE
+from hand_load_estimator.stream.input_guard import InputGuard
 from hand_load_estimator.stream.joint_stream import JointStream, motion_of
 
 JOINTS = 'pan', 'lift'
@@ -26,55 +27,76 @@ def course(turning=True):
 
 def test_the_arm_that_is_heard_first_is_kept():
     arm = ArmNames(JOINTS)
-    assert list(arm.index(LEFT)) == [0, 1] and arm.index(RIGHT) is None
-    assert list(arm.index(LEFT[::-1])) == [1, 0] and arm.index(('finger',)) is None
+    assert list(arm.index(LEFT, 0.0)) == [0, 1] and arm.index(RIGHT, 0.1) is None
+    assert list(arm.index(LEFT[::-1], 0.2)) == [1, 0] and arm.index(('finger',), 0.3) is None
     assert arm.prefix == 'left_' and arm.others == {'right_'} and arm.passed_over == 2
+    # Silent itself, the other one is still another arm.
+    assert arm.index(RIGHT, 9.0) is None
 
 
 def test_joints_with_their_own_names_win():
     arm = ArmNames(JOINTS)
-    assert arm.index(LEFT) is not None
-    assert arm.index(JOINTS) is not None and arm.index(LEFT) is None
+    assert arm.index(LEFT, 0.0) is not None
+    assert arm.index(JOINTS, 0.1) is not None and arm.index(LEFT, 0.2) is None
     assert arm.prefix == '' and arm.others == {'left_'}
+
+
+@pytest.mark.parametrize('before', [RIGHT, JOINTS])
+def test_an_arm_that_is_heard_with_another_prefix_from_now_on_is_followed(before):
+    """A driver started again with another prefix had left nothing but silence."""
+    arm = ArmNames(JOINTS)
+    assert arm.index(before, 0.0) is not None
+    heard = [arm.index(LEFT, 0.5 * k) is not None for k in range(1, 9)]
+    assert heard == [0.5 * k >= SILENT for k in range(1, 9)] and arm.prefix == 'left_'
+    with pytest.raises(RecordingError, match='more arms than one'):
+        refuse_several(arm, 'bag')
+
+
+def test_a_clock_that_was_set_back_is_no_silence():
+    arm = ArmNames(JOINTS)
+    assert arm.index(LEFT, 100.0) is not None and arm.index(RIGHT, 100.1) is None
+    assert arm.index(RIGHT, 1.0) is None and arm.index(LEFT, 1.1) is not None
+    assert arm.index(RIGHT, 9.0) is None
 
 
 def test_whole_turns_are_taken_out():
     """A joint that stands at half a turn flips between plus and minus of it with every noise."""
-    follow, angles = course().follow, [3.1415, -3.1416, 3.1414, -3.1414, -3.1410]
+    straight, angles = course(), [3.1415, -3.1416, 3.1414, -3.1414, -3.1410]
     for k, angle in enumerate(angles):
-        q = follow(STEP * k, np.array([angle, 0.5]))
-        assert q == pytest.approx([angle % (2.0 * np.pi), 0.5])
-    assert course(turning=False).follow(0.0, np.array([3.1415, 0.0])) is not None
+        q = np.array([angle, 0.5])
+        assert straight.follow(STEP * k, q) and straight.restarted == (k == 0)
+        turns = 0.0 if straight.turns is None else straight.turns
+        assert q + turns == pytest.approx([angle % (2.0 * np.pi), 0.5])
 
 
 def test_what_slides_has_no_turns():
     """A rail that is told six metres from where it was has not turned around."""
     rail = course(turning=False)
-    rail.follow(0.0, np.array([3.14, 0.0]))
-    assert rail.follow(STEP, np.array([-3.14, 0.0])) is None
+    assert rail.follow(0.0, np.array([3.14, 0.0]))
+    assert not rail.follow(STEP, np.array([-3.14, 0.0])) and rail.turns is None
 
 
 def test_a_wrong_message_now_and_then_costs_only_itself():
     follow = course()
     for k in range(500):
         wrong = k % 50 == 20
-        q = follow.follow(STEP * k, np.array([2.0 if wrong else 0.01 * k * STEP, 0.0]))
-        assert (q is None) == wrong and follow.restarted == (k == 0)
+        there = follow.follow(STEP * k, np.array([2.0 if wrong else 0.01 * k * STEP, 0.0]))
+        assert there != wrong and follow.restarted == (k == 0)
 
 
 def test_of_two_that_contradict_each_other_the_first_is_followed():
     follow = course()
     told = [follow.follow(STEP * k, np.full(2, float(k % 2))) for k in range(200)]
-    assert all((q is None) == k % 2 for k, q in enumerate(told))
+    assert told == [k % 2 == 0 for k in range(200)]
 
 
 def test_an_arm_that_is_elsewhere_for_good_is_followed_there():
     follow = course()
     follow.follow(0.0, np.zeros(2))
     told = [follow.follow(0.01 + STEP * k, np.full(2, 2.0)) for k in range(100)]
-    first = next(k for k, q in enumerate(told) if q is not None)
+    first = told.index(True)
     assert STEP * first == pytest.approx(ELSEWHERE, abs=1.5 * STEP)
-    assert all(q is not None for q in told[first:]) and not follow.restarted
+    assert all(told[first:]) and not follow.restarted
 
 
 @pytest.fixture(scope='module')
@@ -113,6 +135,31 @@ def test_joints_that_stand_at_half_a_turn_do_not_stop_the_estimate(model, stream
     straight = [changed(m, position=m.position + np.pi * np.eye(4)[3]) for m in stream]
     ours, wanted = (feed(warm(pipeline_of(model)), those)[-1] for those in (turned, straight))
     np.testing.assert_allclose(ours.mean, wanted.mean, rtol=1e-6)
+
+
+def test_who_plans_a_motion_begins_where_the_driver_says_that_the_arm_stands(model, stream):
+    """A trajectory from a whole turn away would have sent the joint around."""
+    guard, first = InputGuard(model.robot), stream[0]
+    for k in range(5):
+        reported = first.position + np.pi * np.eye(4)[3] * (1 - 2 * (k % 2))
+        q, _, _ = guard.accept(STEP * k, first.names, reported, first.velocity, first.effort)
+        np.testing.assert_array_equal(q, reported)
+    assert guard.turns is None or not guard.turns.any()
+    guard.accept(STEP * 5, first.names, first.position - np.pi * np.eye(4)[3], first.velocity,
+                 first.effort)
+    np.testing.assert_allclose(guard.turns, 2.0 * np.pi * np.eye(4)[3])
+
+
+def test_a_suggestion_begins_where_the_driver_says_that_the_arm_stands(model, stream):
+    pipeline = warm(pipeline_of(model))
+    still = stream[0]
+    for k in range(60):
+        flip = np.pi * np.eye(4)[3] * (1.0 if k < 30 else -1.0)
+        pipeline.joint_state(100.0 + 0.008 * k, still.names, still.position + flip,
+                             np.zeros(4), still.effort + 1e-6 * k)
+    suggestion = pipeline.suggest_motion(pipeline.last_stamp)
+    np.testing.assert_allclose(suggestion.trajectory.position[0],
+                               still.position - np.pi * np.eye(4)[3], atol=0.02)
 
 
 def test_wrong_messages_do_not_stop_the_estimate(model, stream):
@@ -185,7 +232,8 @@ def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
     both.temperature_reading('right_j1', 60.0)
     assert both.temperature[1] == 25.0 and both.temperature_names == ['left_j1']
     second = behind('right_', stream[1])
-    both.joint_state(second.stamp, second.names, second.position, second.velocity, second.effort)
+    for m in (second, behind('left_', stream[2])):
+        both.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)
     both.temperature_reading('right_j2', 60.0)
     assert np.isnan(both.temperature[2])
 

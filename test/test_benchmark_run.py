@@ -122,7 +122,8 @@ def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal(monkeypatch):
 def test_where_temperatures_are_not_told_nobody_sees_them(monkeypatch):
     monkeypatch.setattr(cases, 'DURATION', 1.0)
     robot, plant = four_axes(), seeds.DEVELOPMENT_PLANTS[93]
-    models = plant_models(robot, plant, recorded=cases.Recorded((('pick_place', 25.0, 8.0),), told=False))
+    recorded = cases.Recorded((('pick_place', 25.0, 8.0),), told=False)
+    models = plant_models(robot, plant, recorded=recorded)
     assert models['ours'].temperatures is None and len(models['ours'].recordings) == 1
     assert not any('temperature' in use.name for use in models['ours'].uses)
     seen, update = [], measure.RegressorClock.update

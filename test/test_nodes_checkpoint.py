@@ -232,3 +232,4 @@ def test_a_file_that_another_node_keeps_is_neither_read_nor_lost(pipeline, tmp_p
     again.restore(fresh)
     assert 'belongs to another node: /left/estimator, not /right/estimator' in again.told
     assert not fresh.unconfirmed and again.report()[0] == WARN
+    assert path.read_bytes() == written and not (tmp_path / 'c.refused').exists()

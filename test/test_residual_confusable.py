@@ -82,10 +82,8 @@ def test_what_only_the_link_of_its_joint_can_be_told_from_by_no_motion(name):
     """Of an upright arm that is the second joint's spring and rotor, of others it is not."""
     robot, rng = ur10e(), np.random.default_rng(3)
     motions = rng.normal(size=(3, 60, robot.n))
-    links = np.array([robot.link_regressor(*row) for row in zip(*motions)])
-    residual = SimpleNamespace(columns=links, x=SimpleNamespace(
-        q=motions[0], v=motions[1], a=motions[2]))
-    same = [is_its_link(name, j, residual) for j in range(5)]
+    x = SimpleNamespace(q=motions[0], v=motions[1], a=motions[2])
+    same = [is_its_link(name, j, robot, x) for j in range(5)]
     assert same == [name == 'rotor_inertia', True, False, False, False]
 
 
@@ -96,7 +94,8 @@ def test_a_rotor_and_the_inertia_of_the_first_link_are_one_to_recordings(gravity
     motions = [rng.normal(size=(3, robot.n)) for _ in range(50)]
     links = np.array([robot.link_regressor(*qva) for qva in motions])
     acceleration = np.array([[a[0]] for _, _, a in motions])
-    cold = SimpleNamespace(warmth=np.zeros((50, robot.n)), a=np.array([a for *_, a in motions]))
+    q, v, a = np.swapaxes(motions, 0, 1)
+    cold = SimpleNamespace(warmth=np.zeros((50, robot.n)), q=q, v=v, a=a)
     residual = SimpleNamespace(columns=links, x=cold)
     rotor = Hypothesis('rotor_inertia', 0, {0: acceleration}, np.ones(1))
     chosen = Candidate('rotor_inertia', ((rotor, None),), 1.0, 1.0, np.ones(1))

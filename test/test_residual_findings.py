@@ -201,7 +201,8 @@ def doubtful():
 
 def test_a_change_is_as_doubtful_as_both_figures():
     old, true, found = doubtful()
-    (change, std, _), (_, new, _) = (found.parameters[k + 'coefficient'] for k in ('change_of_', ''))
+    (change, std, _), (_, new, _) = (found.parameters[name] for name in (
+        'change_of_coefficient', 'coefficient'))
     assert std == pytest.approx(np.hypot(new, old), rel=1e-6) and std > 1.5 * new
     assert abs(change - true) < 2.0 * std
     # Of the new figure alone it would be far off.
@@ -212,6 +213,9 @@ def test_nobody_knows_how_sure_a_change_is_that_the_model_s_own_recordings_show(
     model, places = declared_model(), np.arange(60, 63)
     more = replace(model, recordings=(*model.recordings, RecordingMark('another')))
     assert np.isnan(change_covariance(model, model, places, places)).all()
+    renamed = replace(model, recordings=(RecordingMark('before', 'c0ffee'),))
+    again = replace(model, recordings=(RecordingMark('renamed', 'c0ffee'),))
+    assert np.isnan(change_covariance(renamed, again, places, places)).all()
     both = change_covariance(model, more, places, places)
     assert np.array_equal(both, 2.0 * model.covariance[60:63, 60:63])
 

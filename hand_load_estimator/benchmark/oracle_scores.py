@@ -15,7 +15,8 @@ _MEANING = (
     'same of that torque at other times of the run. Rest: what no load makes, over what the model '
     'leaves of the arm without the effect, in the joint that shows it most. Joints free: every '
     "joint's offset, Coulomb and viscous friction may be anything. Bound: no estimator that "
-    "leaves out standing joints, as the oracle does, is better, even if it knows the shape of the effect's torque and only its size not. Coverage of "
+    "leaves out standing joints, as the oracle does, is better, even if it knows the shape of the "
+    "effect's torque and only its size not. Coverage of "
     "the oracle: of its errors by the method's intervals. `-`: the effect did not act in these "
     'runs.')
 _TOLD = (

@@ -4,9 +4,10 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from ..errors import RecordingError
 from ..load import LoadParameters
 from ..recording import arrays
-from ..stream.arm_names import ArmNames
+from ..stream.arm_names import ArmNames, refuse_several
 from .effort import check_effort
 from .finding import Finding, OK, UNKNOWN, WRONG
 from .motion import check_motion, check_position, check_updates, check_values, check_velocity
@@ -37,11 +38,11 @@ def _joints(recording, robot, found):
     text = f'all {robot.n} in {found} of {len(samples)} messages'
     arm = ArmNames(robot.joints)
     for sample in samples:
-        arm.index(sample.names)
-    if arm.prefix and arm.others:
-        return Finding('joints', WRONG, f'{text}, behind {arm.prefix!r}; others alike are behind '
-                       f'{", ".join(map(repr, sorted(arm.others)))}: more arms than one',
-                       'name the joints in the robot file with the prefix of one of them')
+        arm.index(sample.names, sample.stamp)
+    try:
+        refuse_several(arm, text)
+    except RecordingError as error:
+        return Finding('joints', WRONG, *str(error).split('; '))
     if found:
         return Finding('joints', OK, text)
     seen = sorted({name for s in samples for name in s.names})

@@ -19,7 +19,7 @@ class EffectInput:
 
     q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where it
     is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
-    model needs them: gear [Nm]: torque through the gear: of links, load and what pulls on them, gear_way
+    model needs them: gear [Nm]: torque of links, load and what pulls on them, gear_way
     [Nm]: how far it goes either way within the motion filter; drive [Nm]: torque of the drive;
     rate [Nm/s]: how fast it changes, for pictures; tilt(): torque of turning gravity about
     Robot.tilt_axes, (N, n, 2) [Nm/rad]; late(delays): torque of the drive so many seconds ago

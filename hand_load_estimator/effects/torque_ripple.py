@@ -35,8 +35,9 @@ def _derived(values, _):
 
 
 TORQUE_RIPPLE = Effect(
-    'torque_ripple', 'motor and gear, or what a gear does to the torque sensor behind it: periodic '
-    'in joint position, many periods per turn, with its second harmonic', 'Holtz and Springob 1996',
+    'torque_ripple', 'motor and gear, or what a gear does to the torque sensor behind it: '
+    'periodic in joint position, many periods per turn, with its second harmonic',
+    'Holtz and Springob 1996',
     (('sine', 'Nm'), ('cosine', 'Nm'), ('second_sine', 'Nm'), ('second_cosine', 'Nm')),
     (0.03,) * 4, _columns, (Shape('periods', '1/turn', 60.0, ()),), in_link_torque=True,
     against='position within a period', derived=_derived)

@@ -9,5 +9,6 @@ def _columns(x, j, _):
 
 TORQUE_SCALE_TEMPERATURE = Effect(
     'torque_scale_temperature', 'the gain of the effort changes with temperature: magnets lose '
-    'strength as they warm, a joint torque sensor may drift', 'Sebastian 1995', (('slope', '1/K'),), (3e-3,), _columns, in_link_torque=True,
+    'strength as they warm, a joint torque sensor may drift',
+    'Sebastian 1995', (('slope', '1/K'),), (3e-3,), _columns, in_link_torque=True,
     against='drive torque times warmth', needs=frozenset({'drive', 'warmth'}), absolute=True)

@@ -56,7 +56,7 @@ def estimate_recording(pipeline, recording):
         if time - last >= 0.5 * SPACING - 1e-4:
             last = time
             history.add(time, believed or pipeline.method.belief())
-    refuse_several(pipeline.arms, recording.path)
+    refuse_several(pipeline.names, recording.path)
     # What could not be used at the end counts: the load may be another one by then.
     final = pipeline.estimate(0.0 if stamp is None else pipeline.last_stamp)
     std = final.std

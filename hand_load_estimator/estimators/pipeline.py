@@ -63,7 +63,7 @@ class Pipeline:
 
     @property
     def passed_over(self):
-        """Number of joint states that name no joint of the robot."""
+        """Number of joint states that name no joint of the robot, or another arm's."""
         return self._stream.passed_over
 
     @property
@@ -80,6 +80,11 @@ class Pipeline:
     def arms(self):
         """This arm's prefix in the joint states, None before any, and those (set) of others."""
         return self._stream.arms
+
+    @property
+    def names(self):
+        """The ArmNames that tell which joint states are this arm's."""
+        return self._stream.names
 
     @property
     def velocity_is_none(self):
@@ -241,7 +246,7 @@ class Pipeline:
         """Return in words for how long nothing told of the load, and why, if something arrives."""
         if now - self.last_stamp > self._stale_after:
             return f'no usable joint state for {now - self.last_stamp:.2f} s'
-        why = in_words(self.rejected) or 'they stop too often'
+        why = in_words(joint_states_of(self.rejected)) or 'they stop too often'
         return f'no usable joint state for {now - self._fed:.2f} s, though they arrive: {why}'
 
     def suggest_motion(self, now):
@@ -258,7 +263,9 @@ class Pipeline:
             raise SuggestionError('the arm moves; ask again when it stands')
         if self._suggester is None:
             self._suggester = MotionSuggester(self.model, self._thresholds, self.tool)
-        return self._suggester.suggest(self.method, self._sample.q, self._sample.temperature)
+        # From where the driver says that it stands, without the turns that it takes out.
+        return self._suggester.suggest(self.method, self._sample.q - self._stream.turns,
+                                       self._sample.temperature)
 
     def reset(self):
         """Forget the load."""

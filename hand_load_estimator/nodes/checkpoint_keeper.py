@@ -18,8 +18,8 @@ class CheckpointKeeper:
     Restore a Pipeline from a file and write its state there again and again.
 
     path: the file, in a folder that exists, or an empty text for none; max_age [s]: older files
-    are refused, and those of another node (full name). A refused file is put aside under the name `<file>.refused`; ConfigurationError
-    where it never was a checkpoint. told: in words what came of restoring.
+    are refused, and those of another node (full name), which stay. Another refused file is put
+    aside under the name `<file>.refused`; ConfigurationError where it never was a checkpoint. told: in words what came of restoring.
     """
 
     def __init__(self, path, max_age, node=''):
@@ -40,7 +40,13 @@ class CheckpointKeeper:
             self.told = f'restored {told}'
         except CheckpointError as error:
             self.refused = True
-            self.told = f'refused: {error}; the estimate starts afresh{self._put_aside()}'
+            # What another node keeps is not put aside: it is in use.
+            aside = self._put_aside() if self._is_own() else ''
+            self.told = f'refused: {error}; the estimate starts afresh{aside}'
+
+    def _is_own(self):
+        """Tell whether the file is nobody else's, as far as anybody can tell."""
+        return written_by(self._path) in (None, self._node)
 
     def _put_aside(self):
         """Return in words where the refused file is now."""
@@ -92,9 +98,9 @@ class CheckpointKeeper:
             item = self._waiting.get()
             if item is None:
                 return
-            other = written_by(self._path)
-            if other not in (None, self._node):
-                self._failure = f'{other} keeps its own there; give each node a file of its own'
+            if not self._is_own():
+                self._failure = (f'{written_by(self._path)} keeps its own there; give each node a '
+                                 'file of its own')
                 continue
             try:
                 write_checkpoint(self._path, *item)

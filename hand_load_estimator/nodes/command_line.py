@@ -1,11 +1,14 @@
 """The command line of a node: --help, and a refusal of what rclpy would silently ignore."""
 
+from pathlib import Path
+import re
 import sys
 import textwrap
 
+import yaml
+
 from ..errors import ConfigurationError
 from ..files.shared_files import share_folder
-from .parameters import overrides_of
 from .runner import run_node
 
 _WIDTH = 98
@@ -41,13 +44,24 @@ def run_from_command_line(name, make_node, table, args=None):
 
 def _ignored_files(node, args):
     """Return [a sentence] where parameter files say nothing to a node, as rcl does not tell."""
-    files = [file for key, file in zip(args, args[1:]) if key == '--params-file']
-    apart = {rule.split(':=')[0] for key, rule in zip(args, args[1:]) if key in ('-p', '--param')}
-    if not files or set(overrides_of(node)) - apart:
-        return []
     name = node.get_fully_qualified_name()
-    return [f'{", ".join(files)}: has no parameters for {name}; its sections must be called '
-            f'{name}, or /**/{node.get_name()}']
+    files = [file for key, file in zip(args, args[1:]) if key == '--params-file']
+    return [f'{file}: has no parameters for {name}; its section must be called {name}, or '
+            f'/**/{node.get_name()}' for file in files
+            if not any(_is_of(section, name) for section in _sections(file))]
+
+
+def _sections(file):
+    """Return what the sections of a parameter file are called."""
+    # rcl has read it: it is a mapping.
+    return [str(name) for name in yaml.safe_load(Path(file).read_text('utf-8')) or ()]
+
+
+def _is_of(section, name):
+    """Tell whether a section is for the node of a full name; ** stands for any namespaces."""
+    pattern = re.escape('/' + section.lstrip('/')).replace(r'/\*\*', '(/[^/]+)*').replace(
+        r'\*', '[^/]+')
+    return re.fullmatch(pattern, name) is not None
 
 
 def _outside_ros_args(args):

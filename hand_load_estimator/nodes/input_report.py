@@ -18,15 +18,15 @@ _MOST_NAMES = 10
 
 
 # Joint states per second of their stamps that everything is measured with, and a little beyond,
-# where the stamps tell of at least so many [s].
-_FEWEST, _MOST, _SPAN = 25, 1200, 0.3
+# where the stamps tell of at least and at most so many [s].
+_FEWEST, _MOST, _SPAN, _LONGEST = 25, 1200, 0.3, 10.0
 
 
 def _other_arms(prefix, others):
     """Return [a sentence] where this arm was told from others by who came first, or []."""
     if not (prefix and others):
         return []
-    return [f'joint states of more arms than one: those behind {prefix!r} came first and are '
+    return [f'joint states of more arms than one: those behind {prefix!r} are '
             f'used, those behind {", ".join(map(repr, sorted(others)))} are not; name the joints '
             'in the robot file with their prefix']
 
@@ -39,7 +39,8 @@ def _velocities(none):
 
 def _rate(count, seconds):
     """Return [a sentence] on joint states too few or too many for so many seconds, or []."""
-    if seconds < _SPAN or _FEWEST <= count / seconds <= _MOST:
+    # Stamps that go on for longer than a report's second have jumped, or time is simulated.
+    if not _SPAN <= seconds <= _LONGEST or _FEWEST <= count / seconds <= _MOST:
         return []
     return [f'joint states come at {count / seconds:.0f} Hz: made for 30 to 1000']
 
@@ -84,6 +85,7 @@ class InputReport:
         if not self._taken['joint_states']:
             return (*_MISSING, values)
         if self._taken['joint_states'] == before['joint_states']:
+            self._newest_before = None
             return STALE, 'no joint states in the last second', values
         rate = self._rate(pipeline, self._taken['joint_states'] - before['joint_states'])
         told = [*self._refused(pipeline), *_other_arms(*pipeline.arms),

@@ -119,7 +119,7 @@ class Parameter:
         return out
 
 
-def overrides_of(node):
+def _overrides(node):
     """Return what command line and YAML files gave for the node; rclpy has no public way."""
     return getattr(node, '_parameter_overrides', {})
 
@@ -145,7 +145,7 @@ class NodeParameters:
         node.add_post_set_parameters_callback(self._apply)
 
     def _declare(self, node, row):
-        if row.todo and row.name not in overrides_of(node):
+        if row.todo and row.name not in _overrides(node):
             raise ConfigurationError(f'{self._where}: parameter {row.name}', 'must be given',
                                      allowed=row.allowed, todo=row.todo)
         default = list(row.default) if isinstance(row.default, tuple) else row.default
@@ -154,14 +154,14 @@ class NodeParameters:
                 value = node.declare_parameter(row.name, default, row.descriptor()).value
             except ParameterException:
                 # rclpy's sentence names neither unit nor choices; ours does.
-                value = overrides_of(node)[row.name].value
+                value = _overrides(node)[row.name].value
             return row.convert(value)
         except ValueError as error:
             raise ConfigurationError(f'{self._where}: parameter {row.name}', error) from None
 
     def _warn_of_unknown(self, node):
         # rclpy ignores what nobody declares, so a typing error would go unseen.
-        for name in overrides_of(node):
+        for name in _overrides(node):
             if name in self._table or name.split('.')[0] in _RCLPY_OWN:
                 continue
             near = difflib.get_close_matches(name, self._table, 1)

@@ -11,6 +11,7 @@ def change_covariance(model, better, before, after):
     ones, so both doubts count. NaN where the better model was made from no recording that the old
     one was not made from: then both err alike, and nobody has counted how much.
     """
-    if not set(better.recordings) - set(model.recordings):
+    new, old = ({mark.content or mark.name for mark in m.recordings} for m in (better, model))
+    if not new - old:
         return np.full((len(after), len(after)), np.nan)
     return better.covariance[np.ix_(after, after)] + model.covariance[np.ix_(before, before)]

@@ -94,8 +94,9 @@ def alternatives_of(robot, residual, step):
     found = [Alternative(other.name, _joints(robot, other), less.gain, less.std)
              for other in step.alternatives for less in [ahead(step.chosen, other)]]
     # What is the same torque the choice did not ask for, and no block could tell.
-    same = [(name, _joints(robot, step.chosen)) for name in _of_its_link(residual, step.chosen)
-            if name not in {a.name for a in found if a.joints == _joints(robot, step.chosen)}]
+    joints = _joints(robot, step.chosen)
+    same = [(name, joints) for name in _of_its_link(robot, residual, step.chosen)
+            if name not in {a.name for a in found if a.joints == joints}]
     same += [(UNDECLARED_LOAD, _joints(robot, step.chosen))] * _is_last_link(robot, step.chosen)
     same += [(name, _joints(robot, step.chosen)) for name in _by_warmth(residual, step.chosen)]
     return (*(Alternative(name, joints, 0.0, 0.0) for name, joints in same), *found)
@@ -180,15 +181,15 @@ def separating_motion(robot, residual, chosen, elsewhere, here=()):
     if chosen.name == UNKNOWN:
         return (f'the residual follows {chosen.variable}; move the joint so that '
                 f'{chosen.variable} covers its range while everything else stays the same')
-    same = _of_its_link(residual, chosen, here)
+    same = _of_its_link(robot, residual, chosen, here)
     others = [*_by_warmth(residual, chosen), *elsewhere,
               *(name for name in here if name not in same)]
     own_weight = len(chosen.joints) == 1 and weight_is_its_own(robot, chosen.joints[0])
     told = [advice(chosen.name, others, own_weight)]
     if same:
         names = ' and '.join(dict.fromkeys((chosen.name, *same)))
-        told.insert(0, f'{NO_MOTION} {names} here: the link\'s weight across the axis of its joint '
-                    'pulls as a spring, its inertia about it as a rotor; the model holds the sum; '
+        told.insert(0, f'{NO_MOTION} {names} here: the link\'s weight across the axis of its '
+                    'joint pulls as a spring, its inertia about it as a rotor; the model holds the sum; '
                     'another mounting, or weighing the link, tells')
     if _is_last_link(robot, chosen):
         told.insert(0, f'{NO_MOTION} it from a load in the hand other than declared: take '
@@ -201,7 +202,7 @@ def _is_last_link(robot, chosen):
     return chosen.name == LINK_INERTIA.name and robot.n - 1 in chosen.joints
 
 
-def _of_its_link(residual, chosen, alternatives=()):
+def _of_its_link(robot, residual, chosen, alternatives=()):
     """
     Return the names of what no motion can tell a Candidate of one joint from.
 
@@ -212,8 +213,8 @@ def _of_its_link(residual, chosen, alternatives=()):
     joint, = chosen.joints
     if chosen.name == LINK_INERTIA.name:
         return [name for name in OF_A_LINK if name in alternatives
-                and is_its_link(name, joint, residual)]
-    alike = chosen.name in OF_A_LINK and is_its_link(chosen.name, joint, residual)
+                and is_its_link(name, joint, robot, residual.x)]
+    alike = chosen.name in OF_A_LINK and is_its_link(chosen.name, joint, robot, residual.x)
     return [LINK_INERTIA.name] * alike
 
 

@@ -8,28 +8,39 @@ from .heard_joints import HeardJoints
 # Orders of names remembered; a driver that invents names must not fill the memory.
 _MOST_ORDERS = 100
 _NEW = object()
+# An arm that was not heard with its prefix for so long [s] may have got another.
+SILENT = 2.0
 
 
 class ArmNames:
     """
     Find the joints of one arm by name, in any order, also behind a tf_prefix.
 
-    Arms alike may share a topic, each with a prefix of its own: this one keeps the prefix it was
-    heard with first, until its joints are heard by their own names. prefix: what it is heard with,
-    or None; others: prefixes of other arms; passed_over: joint states of other joints, or arms.
+    Arms alike may share a topic, each with a prefix of its own in messages of its own: this one
+    keeps the prefix it was heard with first, until its joints are heard by their own names, or
+    never again but with another. prefix: what it is heard with, or None; used: prefixes (list) it
+    was heard with so far; others: prefixes of other arms; passed_over: joint states of other
+    joints, or arms.
     """
 
     def __init__(self, joints):
         self._joints, self._places, self._heard = joints, {}, HeardJoints(joints)
-        self.prefix, self.others, self.passed_over = None, set(), 0
+        self.used, self.others, self.passed_over = [], set(), 0
+        # Stamp of the newest of this arm; prefixes heard since then, another arm's or its own now.
+        self._last, self._instead = None, set()
+
+    @property
+    def prefix(self):
+        """What stands before this arm's joints in the joint states, None before any."""
+        return self.used[-1] if self.used else None
 
     def why_none(self, rejected):
         """Return in words why no joint state was usable; rejected: reason -> count."""
         return self._heard.why_none(rejected)
 
-    def index(self, names):
+    def index(self, names, stamp):
         """
-        Return where the joints stand among the names of a message.
+        Return where the joints stand among the names of a message of a stamp [s].
 
         Indices (n,), a reason to reject, or None when it is another arm's or of other joints.
         """
@@ -38,21 +49,32 @@ class ArmNames:
         if found is _NEW:
             found = self._note(key)
         index, prefix = found
-        if prefix != self.prefix and index is not None and not isinstance(index, str):
-            index = self._of_another(index, prefix)
+        if prefix is not None and not self._is_own(prefix, stamp):
+            index = None
         if index is None:
             self.passed_over += 1
         return index
 
-    def _of_another(self, index, prefix):
-        """Return the indices if it is this arm that is heard with a prefix, None if another."""
-        if self.prefix is None or not prefix:
-            self.others |= {self.prefix} - {None}
-            self.prefix = prefix
-            return index
-        if len(self.others) < _MOST_ORDERS:
-            self.others.add(prefix)
-        return None
+    def _is_own(self, prefix, stamp):
+        """Tell whether it is this arm that is heard with a prefix at a stamp [s]."""
+        if self.used and prefix != self.used[-1]:
+            silent = self._last <= stamp - SILENT
+            if stamp < self._last:
+                self._last = stamp    # The clock was set back.
+            # Its own names win; another arm is heard while this one is.
+            if prefix and (prefix in self.others or not silent):
+                if len(self._instead) < _MOST_ORDERS:
+                    self._instead.add(prefix)
+                return False
+            self.others.add(self.used[-1])
+        if not self.used or prefix != self.used[-1]:
+            self.used.append(prefix)
+            self.others.discard(prefix)
+        elif self._instead:
+            self.others |= self._instead
+            self._instead.clear()
+        self._last = stamp
+        return True
 
     def _note(self, names):
         """Return places() of a new order of names, and remember it."""
@@ -63,11 +85,10 @@ class ArmNames:
         return found
 
 
-def refuse_several(arms, name):
-    """Raise RecordingError where a recording of a name has arms alike; arms: of JointStream."""
-    prefix, others = arms
-    if prefix and others:
-        told = ', '.join(map(repr, sorted({prefix, *others})))
+def refuse_several(arm, name):
+    """Raise RecordingError where a recording of a name has arms alike; arm: the ArmNames of it."""
+    if len(arm.used) > 1 or arm.prefix and arm.others:
+        told = ', '.join(map(repr, sorted({*arm.used, *arm.others})))
         raise RecordingError(f'{name}: has joint states of more arms than one, behind {told}; '
                              'name the joints in the robot file with the prefix of one of them')
 

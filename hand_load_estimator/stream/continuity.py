@@ -15,7 +15,8 @@ class Continuity:
     Tell which positions an arm can have gone to.
 
     speed_limit (n,) [rad/s]: what no joint exceeds; turning (n,) bool: joints whose drivers may
-    take out whole turns. restarted: whether what was followed last has no past.
+    take out whole turns. restarted: whether what was followed last has no past; turns (n,) [rad]:
+    what its positions are ahead of those reported, None where nothing.
     """
 
     def __init__(self, speed_limit, turning):
@@ -24,21 +25,21 @@ class Continuity:
 
     def forget(self):
         """Begin anew, as after the clock was set back."""
-        self._last = self._other = self._turns = None
+        self._last = self._other = self.turns = None
         self.restarted = False
 
     def follow(self, stamp, q):
-        """Return q (n,) as turned on from the one before, or None where the arm cannot be."""
+        """Tell whether the arm can be at q (n,), as turned on from where it was."""
         raw, last, self.restarted = q, self._last, self._last is None
         if last is not None:
-            q = q if self._turns is None else q + self._turns
+            q = q if self.turns is None else q + self.turns
             if self._apart(last, stamp, q):
                 q = self._turned_back(last[1], raw)
                 if self._apart(last, stamp, q):
                     return self._elsewhere(stamp, raw)
-                self._turns = q - raw
+                self.turns = q - raw
         self._last, self._other = (stamp, q), None
-        return q
+        return True
 
     def _apart(self, last, stamp, q):
         before, place = last
@@ -50,13 +51,13 @@ class Continuity:
         return q + np.where(self._turning, TURN * np.round((place - q) / TURN), 0.0)
 
     def _elsewhere(self, stamp, q):
-        """Note a place the arm cannot have gone to; return it once it is where the arm is."""
+        """Note a place the arm cannot have gone to; tell whether it is where the arm is."""
         if self._other is None or self._apart(self._other[1], stamp, q):
             self._other = stamp, (stamp, q)
         since, _ = self._other
         self._other = since, (stamp, q)
         if stamp - since < ELSEWHERE:
-            return None
-        self._last, self._other, self._turns = (stamp, q), None, None
+            return False
+        self._last, self._other, self.turns = (stamp, q), None, None
         self.restarted = True
-        return q
+        return True

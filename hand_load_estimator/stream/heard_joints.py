@@ -12,7 +12,7 @@ class HeardJoints:
         self._heard = self._some = self._all = False
 
     def note(self, names, places):
-        """Note the names of a message; places: what InputGuard.places says of them."""
+        """Note the names of a message; places: what arm_names.places says of them."""
         self._heard = True
         if places is not None and not isinstance(places, str):
             self._all = True

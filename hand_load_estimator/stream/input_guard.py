@@ -55,6 +55,11 @@ class InputGuard:
         return self._course.restarted
 
     @property
+    def turns(self):
+        """Whole turns (n,) [rad] that the arm is ahead of what is reported, or None."""
+        return self._course.turns
+
+    @property
     def passed_over(self):
         """Number of joint states of other joints, or of another arm."""
         return self._names.passed_over
@@ -68,6 +73,11 @@ class InputGuard:
     def why_none(self):
         """In words why no joint state was usable, as long as none was."""
         return self._names.why_none(self.rejected)
+
+    @property
+    def names(self):
+        """The ArmNames that tell which joint states are this arm's."""
+        return self._names
 
     @property
     def frozen(self):
@@ -84,10 +94,14 @@ class InputGuard:
         Return (3, n): q, v, effort, or None.
 
         v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface, or always zero (velocities.py). q goes on over whole turns.
-        `restarted` tells whether the clock or the arm jumped before this message.
+        joint has no such interface, or always zero (velocities.py). q is as reported; `turns` is
+        what it has been turned on beyond that. `restarted` tells whether the clock or the arm
+        jumped before this message.
         """
-        index = self._names.index(names)
+        before = self._names.prefix
+        index = self._names.index(names, stamp)
+        if self._names.prefix != before:
+            self._course.forget()
         if index is None:
             return None
         if isinstance(index, str):
@@ -107,11 +121,12 @@ class InputGuard:
         if not self._forward(stamp):
             return None
         self._frozen.look(stamp, signal)
-        position = self._course.follow(stamp, signal[0])
-        if position is None:
+        if not self._course.follow(stamp, signal[0]):
             return self._reject('position_jump')
-        signal[0] = position
-        return self._velocities.checked(stamp, signal)
+        if self._course.restarted:
+            self._velocities.forget()
+        turns = self._course.turns
+        return self._velocities.checked(stamp, signal, 0.0 if turns is None else turns)
 
     def _fault(self, stamp, signal, within):
         """Return why a signal (3, n) that is not within limits everywhere (3, n) is refused."""

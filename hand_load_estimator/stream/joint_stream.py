@@ -29,13 +29,23 @@ class JointStream:
 
     @property
     def passed_over(self):
-        """Number of joint states that name no joint of the robot."""
+        """Number of joint states that name no joint of the robot, or another arm's."""
         return self._guard.passed_over
 
     @property
     def arms(self):
         """This arm's prefix in the joint states, None before any, and those (set) of others."""
         return self._guard.arms
+
+    @property
+    def names(self):
+        """The ArmNames that tell which joint states are this arm's."""
+        return self._guard.names
+
+    @property
+    def turns(self):
+        """Whole turns (n,) [rad] that positions of samples are ahead of what is reported."""
+        return 0.0 if self._guard.turns is None else self._guard.turns
 
     @property
     def frozen(self):
@@ -74,6 +84,8 @@ class JointStream:
             return None
         if self._guard.restarted:
             self._filter.restart()
+        if self._guard.turns is not None:
+            accepted[0] += self._guard.turns
         if self._commands is not None:
             accepted = self._as_followed(stamp, accepted)
         self.accepted += 1
@@ -114,5 +126,5 @@ def motion_of(robot, recording):
     """Return (Motion, rejected counts) of a Recording; RecordingError for one of two arms."""
     stream = JointStream(robot)
     samples = list(motion_samples(stream, recording))
-    refuse_several(stream.arms, recording.path)
+    refuse_several(stream.names, recording.path)
     return Motion.of(samples), dict(stream.rejected)

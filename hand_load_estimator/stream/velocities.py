@@ -14,18 +14,27 @@ class Velocities:
     """
 
     def __init__(self):
-        self.none, self._began = False, (-np.inf, None)
+        self.none = False
+        self.forget()
 
-    def checked(self, stamp, signal):
-        """Return q, v, effort (3, n) at a stamp [s], with NaN for velocities that are none."""
+    def forget(self):
+        """Begin anew where the arm was told to be elsewhere."""
+        self._began = -np.inf, None
+
+    def checked(self, stamp, signal, turns):
+        """
+        Return q, v, effort (3, n) at a stamp [s], with NaN for velocities that are none.
+
+        turns (n,) or 0.0 [rad]: what q is behind of, of whole turns.
+        """
         if np.count_nonzero(signal[1]):
             self.none, self._began = False, (-np.inf, None)
             return signal
         since, place = self._began
         if not 0.0 <= stamp - since <= TIME:
-            self._began = stamp, signal[0].copy()
+            self._began = stamp, signal[0] + turns
         elif not self.none:
-            self.none = bool(np.abs(signal[0] - place).max() > GONE)
+            self.none = bool(np.abs(signal[0] + turns - place).max() > GONE)
         if self.none:
             signal[1] = np.nan
         return signal

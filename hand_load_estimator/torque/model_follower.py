@@ -124,7 +124,8 @@ class ModelFollower:
         """Return the gears' torque (n,) [Nm], of columns (n, P) and load columns (n, 10)."""
         links = self.model.layout.links
         gear = columns[:, :links] @ self.model.mean[:links] + load @ self._carried
-        return gear + self.model.link_pull(x)[0][0] if self.model.layout.pulls else gear
+        layout = self.model.layout
+        return gear + layout.pull(x, self.model.mean)[0] if layout.pulls else gear
 
     def _columns(self, x, dt, believed):
         model = self.model

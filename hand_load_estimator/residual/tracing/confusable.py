@@ -16,8 +16,8 @@ _TOGETHER = tuple(map(frozenset, (
     ('temperature_dependent_coulomb_friction', 'temperature_dependent_viscous_friction'),
     ('friction_asymmetry', 'torque_offset'))))
 # Gravity's torque on a joint changes with the joints before it, that of its own parts does not.
-_OTHER_POSES = ('move the joint over the same range with the joints before it (of the first joint: '
-                'those behind it) in several poses: what sits at the joint stays, gravity does '
+_OTHER_POSES = ('move the joint over the same range with the joints before it (of the first '
+                'joint: those behind it) in several poses: what sits at the joint stays, gravity does '
                 'not')
 # Where it does not change with them.
 _WHOLE_RANGE = ('move the joint over a whole turn, or as much of it as there is: the torque of a '
@@ -168,7 +168,7 @@ def advice(name, others, own_weight=False):
 
 
 def _apart(name, other):
-    """Return the motion that separates what follows different variables, '' of one and the same."""
+    """Return the motion that separates what follows different variables, '' of the same."""
     own, others = (EFFECTS[what].against if what in EFFECTS else '' for what in (name, other))
     if not own or not others or own == others:
         return ''

@@ -7,22 +7,25 @@ from ...effects import EFFECTS
 # Of a link's ten products some turn it about the axis of its own joint only: these are no others.
 OF_A_LINK = ('rotor_inertia', 'gravity_spring')
 _SAME = 1e-6  # [-] of an effect's torque that its link's may leave
-_POSES = 12
+_POSES, _ROWS = 12, 200
 
 
-def is_its_link(name, joint, residual):
+def is_its_link(name, joint, robot, x):
     """
     Tell whether an effect of OF_A_LINK can do nothing but what the link of its joint can, too.
 
-    residual: a Residual, whose motion shows it. The second link of an upright arm is such a case:
+    x: the EffectInput of a motion that shows it. The second link of an upright arm is such a case:
     where its weight sits across its axis is a spring of one period per turn to every joint, and
     its inertia about that axis a rotor's.
     """
-    own = EFFECTS[name].columns(residual.x, joint, {})
-    count, n, _ = residual.columns.shape
+    some = slice(None, None, max(1, len(x.q) // _ROWS))
+    own = EFFECTS[name].columns(x, joint, {})[some]
+    count, n = len(own), robot.n
     columns = np.zeros((count, n, own.shape[1]))
     columns[:, joint] = own
-    links = residual.columns[:, :, 10 * joint:10 * joint + 10].reshape(count * n, 10)
+    # As they are: what the motion filter makes of a link it makes of its equal, too.
+    links = np.array([robot.link_regressor(*row)[:, 10 * joint:10 * joint + 10]
+                      for row in zip(x.q[some], x.v[some], x.a[some])]).reshape(count * n, 10)
     size = np.linalg.norm(links, axis=0)
     links, columns = links / np.where(size > 0.0, size, 1.0), columns.reshape(count * n, -1)
     left = columns - links @ np.linalg.lstsq(links, columns, rcond=1e-10)[0]
