@@ -126,7 +126,7 @@ def test_of_two_arms_on_one_topic_one_is_estimated(model, stream):
     pipeline = warm(pipeline_of(model))
     last = feed(pipeline, both)[-1]
     assert within(last, block(MASS)) and last.status == 'DETERMINED'
-    assert pipeline.arms == ('left_', {'right_'})
+    assert (pipeline.names.prefix, pipeline.names.others) == ('left_', {'right_'})
 
 
 def test_joints_that_stand_at_half_a_turn_do_not_stop_the_estimate(model, stream):

@@ -221,7 +221,7 @@ def test_a_joint_without_stops_counts_its_turns_on(guard):
 def test_invented_names_do_not_fill_the_memory(guard):
     for k in range(1000):
         accept(guard, names=[f'{name}_{k}' for name in JOINTS])
-    assert len(guard._names._places) <= 100
+    assert len(guard.names._places) <= 100
     assert accept(guard) is not None
 
 

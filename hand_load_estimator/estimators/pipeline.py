@@ -77,11 +77,6 @@ class Pipeline:
         return self._stream.accepted
 
     @property
-    def arms(self):
-        """This arm's prefix in the joint states, None before any, and those (set) of others."""
-        return self._stream.arms
-
-    @property
     def names(self):
         """The ArmNames that tell which joint states are this arm's."""
         return self._stream.names

@@ -132,7 +132,7 @@ class ControllerNode(Node):
 
     def _take_temperature(self, joint, celsius):
         self._input.temperature(joint, self._robot.joints)
-        self._temperatures.take(joint, celsius, self._guard.arms)
+        self._temperatures.take(joint, celsius, self._guard.names)
 
     def _on_load(self, message):
         if self._in_load_frame(message):
@@ -251,7 +251,7 @@ class ControllerNode(Node):
         return self._input.report(SimpleNamespace(
             rejected=rejected, temperature=self._supervisor.temperature, model=self._model,
             passed_over=self._guard.passed_over, last_stamp=self._guard.last_stamp,
-            why_none=self._guard.why_none, arms=self._guard.arms,
+            why_none=self._guard.why_none, names=self._guard.names,
             # Without efforts, whose noise tells, nobody knows.
             velocity_is_none=self._guard.velocity_is_none, frozen=0.0,
             temperature_names=self._temperatures.names))

@@ -22,13 +22,13 @@ _MOST_NAMES = 10
 _FEWEST, _MOST, _SPAN, _LONGEST = 25, 1200, 0.3, 10.0
 
 
-def _other_arms(prefix, others):
-    """Return [a sentence] where this arm was told from others by who came first, or []."""
-    if not (prefix and others):
+def _other_arms(arm):
+    """Return [a sentence] where ArmNames told this arm from others by who came first, or []."""
+    if not (arm.prefix and arm.others):
         return []
-    return [f'joint states of more arms than one: those behind {prefix!r} are '
-            f'used, those behind {", ".join(map(repr, sorted(others)))} are not; name the joints '
-            'in the robot file with their prefix']
+    others = ', '.join(map(repr, sorted(arm.others)))
+    return [f'joint states of more arms than one: those behind {arm.prefix!r} are used, those '
+            f'behind {others} are not; name the joints in the robot file with their prefix']
 
 
 def _velocities(none):
@@ -88,7 +88,7 @@ class InputReport:
             self._newest_before = None
             return STALE, 'no joint states in the last second', values
         rate = self._rate(pipeline, self._taken['joint_states'] - before['joint_states'])
-        told = [*self._refused(pipeline), *_other_arms(*pipeline.arms),
+        told = [*self._refused(pipeline), *_other_arms(pipeline.names),
                 *told_of_frozen(pipeline.frozen), *_velocities(pipeline.velocity_is_none), *rate]
         # Within the first second temperatures may just not have come yet.
         if before['joint_states']:

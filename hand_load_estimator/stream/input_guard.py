@@ -27,12 +27,12 @@ class InputGuard:
 
     robot: names, limits, torque constants. rejected: reason -> count. Joints are found by name in
     any order, also behind a tf_prefix (arm_names.py); messages about other joints only (a
-    gripper's) are not bad: they are counted apart, in passed_over. last_stamp [s]: of the newest
-    that could be read, also a jump; None before any.
+    gripper's) are not bad: they are counted apart, in passed_over. names: the ArmNames; last_stamp
+    [s]: of the newest that could be read, also a jump; None before any.
     """
 
     def __init__(self, robot):
-        self._names = ArmNames(robot.joints)
+        self.names = ArmNames(robot.joints)
         self._course = Continuity(SPEED_MARGIN * robot.limits.velocity, robot.turning)
         self._velocities, self._frozen = Velocities(), Frozen()
         self.rejected, self.last_stamp = Counter(), None
@@ -62,22 +62,12 @@ class InputGuard:
     @property
     def passed_over(self):
         """Number of joint states of other joints, or of another arm."""
-        return self._names.passed_over
-
-    @property
-    def arms(self):
-        """This arm's prefix in the joint states, None before any, and those (set) of others."""
-        return self._names.prefix, self._names.others
+        return self.names.passed_over
 
     @property
     def why_none(self):
         """In words why no joint state was usable, as long as none was."""
-        return self._names.why_none(self.rejected)
-
-    @property
-    def names(self):
-        """The ArmNames that tell which joint states are this arm's."""
-        return self._names
+        return self.names.why_none(self.rejected)
 
     @property
     def frozen(self):
@@ -98,9 +88,9 @@ class InputGuard:
         what it has been turned on beyond that. `restarted` tells whether the clock or the arm
         jumped before this message.
         """
-        before = self._names.prefix
-        index = self._names.index(names, stamp)
-        if self._names.prefix != before:
+        before = self.names.prefix
+        index = self.names.index(names, stamp)
+        if self.names.prefix != before:
             self._course.forget()
         if index is None:
             return None

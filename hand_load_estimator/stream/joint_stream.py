@@ -33,11 +33,6 @@ class JointStream:
         return self._guard.passed_over
 
     @property
-    def arms(self):
-        """This arm's prefix in the joint states, None before any, and those (set) of others."""
-        return self._guard.arms
-
-    @property
     def names(self):
         """The ArmNames that tell which joint states are this arm's."""
         return self._guard.names
@@ -107,7 +102,7 @@ class JointStream:
 
     def temperature_reading(self, joint, celsius):
         """Note one joint's temperature; other names are passed over, broken values counted."""
-        self._temperatures.take(joint, celsius, self._guard.arms)
+        self._temperatures.take(joint, celsius, self._guard.names)
 
 
 def motion_samples(stream, recording):

@@ -34,14 +34,13 @@ class TemperatureNames:
         """The names that temperatures are taken from."""
         return sorted(self._name_of.values())
 
-    def index(self, name, arms=(None, ())):
-        """Return the joint's index, or None; arms: as of JointStream, by their joint states."""
-        prefix, others = arms
+    def index(self, name, arm):
+        """Return the joint's index, or None; arm: the ArmNames of the joint states."""
         index = joint_index(name, self._joints)
-        if index is None or name[:-len(self._joints[index])] in others:
+        if index is None or name[:-len(self._joints[index])] in arm.others:
             return None
         known = self._name_of.get(index, name)
-        if self._rank(name, index, prefix) > self._rank(known, index, prefix):
+        if self._rank(name, index, arm.prefix) > self._rank(known, index, arm.prefix):
             known = name
         self._name_of[index] = known
         return index if known == name else None
@@ -71,13 +70,13 @@ class JointTemperatures:
         """The names that temperatures are taken from."""
         return self._names.names
 
-    def take(self, name, celsius, arms=(None, ())):
+    def take(self, name, celsius, arm):
         """
         Note one joint's temperature; other names are passed over, broken values counted.
 
-        arms: as of JointStream.
+        arm: the ArmNames of the joint states.
         """
-        index = self._names.index(name, arms)
+        index = self._names.index(name, arm)
         if index is None:
             return
         low, high = PLAUSIBLE_TEMPERATURE
