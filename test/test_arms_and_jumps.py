@@ -230,7 +230,7 @@ def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
     both.joint_state(first.stamp, first.names, first.position, first.velocity, first.effort)
     both.temperature_reading('left_j1', 25.0)
     both.temperature_reading('right_j1', 60.0)
-    assert both.temperature[1] == 25.0 and both.temperature_names == ['left_j1']
+    assert both.temperature[1] == 25.0 and both.temperature_names == (['left_j1'], ['right_j1'])
     second = behind('right_', stream[1])
     for m in (second, behind('left_', stream[2])):
         both.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)

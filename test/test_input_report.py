@@ -151,3 +151,13 @@ def test_silence_comes_first(seconds, level):
     for _ in range(seconds):
         fed.second()
     assert fed.said()[0] == level
+
+
+def test_temperatures_of_two_arms_that_nobody_can_tell_apart_are_told():
+    fed, hot = Fed(), {f'right_{joint}': 60.0 for joint in ALL}
+    cool = {f'left_{joint}': 25.0 for joint in ALL}
+    for _ in range(2):
+        level, message, values = fed.second(hot | cool)
+    assert level == WARN and 'temperatures of more arms than one' in message
+    assert 'right_j0' in values['temperatures are taken from']
+    assert fed.second(ALL)[:2] == (OK, 'joint states arrive')

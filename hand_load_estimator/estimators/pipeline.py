@@ -93,7 +93,7 @@ class Pipeline:
 
     @property
     def temperature_names(self):
-        """The names that temperatures are taken from."""
+        """The names (list) that temperatures are taken from, and others alike that are not."""
         return self._stream.temperature_names
 
     @property

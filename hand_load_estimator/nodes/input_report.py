@@ -31,6 +31,16 @@ def _other_arms(arm):
             f'behind {others} are not; name the joints in the robot file with their prefix']
 
 
+def _other_temperatures(used, others, pipeline):
+    """Return [a sentence] where temperatures of several arms are told apart by who came first."""
+    prefix = pipeline.names.prefix or ''
+    own = {prefix + joint for joint in pipeline.model.robot.joints}
+    if not others or set(used) <= own:
+        return []
+    return [f'temperatures of more arms than one: of {", ".join(set(used) - own)} they came first '
+            f'and are used, of {", ".join(others)} they are not; name them as the joint states do']
+
+
 def _velocities(none):
     """Return [a sentence] where velocities are no measurements, or []."""
     return ['velocities are all zero while the arm moves: they are taken from the positions'
@@ -77,7 +87,8 @@ class InputReport:
             values[f'received {kind}'] = self._taken[kind]
             values[f'{kind} in the last second'] = self._taken[kind] - self._taken_before[kind]
         values['joint_states of no joint of this robot'] = pipeline.passed_over
-        values['temperatures are taken from'] = ', '.join(pipeline.temperature_names) or 'none'
+        used, _ = pipeline.temperature_names
+        values['temperatures are taken from'] = ', '.join(used) or 'none'
         values['temperatures known'] = f'{known.sum()} of {len(known)}'
         values |= {f'temperatures of {name!r}, no joint of this robot': count
                    for name, count in self._others.items()}
@@ -89,6 +100,7 @@ class InputReport:
             return STALE, 'no joint states in the last second', values
         rate = self._rate(pipeline, self._taken['joint_states'] - before['joint_states'])
         told = [*self._refused(pipeline), *_other_arms(pipeline.names),
+                *_other_temperatures(*pipeline.temperature_names, pipeline),
                 *told_of_frozen(pipeline.frozen), *_velocities(pipeline.velocity_is_none), *rate]
         # Within the first second temperatures may just not have come yet.
         if before['joint_states']:

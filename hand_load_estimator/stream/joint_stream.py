@@ -54,7 +54,7 @@ class JointStream:
 
     @property
     def temperature_names(self):
-        """The names that temperatures are taken from."""
+        """The names (list) that temperatures are taken from, and others alike that are not."""
         return self._temperatures.names
 
     @property

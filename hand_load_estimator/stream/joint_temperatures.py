@@ -8,6 +8,8 @@ import numpy as np
 PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
 # A reading older than this [s] says nothing any more: joints warm over minutes.
 TEMPERATURE_LIFE = 30.0
+# Names remembered of others; a driver that invents names must not fill the memory.
+_MOST_NAMES = 50
 
 
 def joint_index(name, joints):
@@ -27,12 +29,13 @@ class TemperatureNames:
     """
 
     def __init__(self, joints):
-        self._joints, self._name_of = joints, {}
+        self._joints, self._name_of, self._others = joints, {}, set()
 
     @property
     def names(self):
-        """The names that temperatures are taken from."""
-        return sorted(self._name_of.values())
+        """The names (list) that temperatures are taken from, and others alike that are not."""
+        used = sorted(self._name_of.values())
+        return used, sorted(self._others - set(used))
 
     def index(self, name, arm):
         """Return the joint's index, or None; arm: the ArmNames of the joint states."""
@@ -43,6 +46,8 @@ class TemperatureNames:
         if self._rank(name, index, arm.prefix) > self._rank(known, index, arm.prefix):
             known = name
         self._name_of[index] = known
+        if known != name and len(self._others) < _MOST_NAMES:
+            self._others.add(name)
         return index if known == name else None
 
     def _rank(self, name, index, prefix):
@@ -67,7 +72,7 @@ class JointTemperatures:
 
     @property
     def names(self):
-        """The names that temperatures are taken from."""
+        """The names (list) that temperatures are taken from, and others alike that are not."""
         return self._names.names
 
     def take(self, name, celsius, arm):
