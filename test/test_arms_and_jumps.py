@@ -241,8 +241,12 @@ def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
 def test_a_recording_of_two_arms_alike_is_refused(model, stream):
     both = [behind(side, changed(m, stamp=m.stamp + 1e-3 * (side == 'right_')))
             for m in stream[:50] for side in ('left_', 'right_')]
-    recording = SimpleNamespace(path='bag', samples=both)
-    for use in (lambda: motion_of(model.robot, recording),
-                lambda: estimate_recording(warm(pipeline_of(model)), recording)):
-        with pytest.raises(RecordingError, match="bag: .*'left_', 'right_'"):
-            use()
+    joined = [changed(m, names=(*behind('left_', m).names, *behind('right_', m).names),
+                      **{k: np.tile(vars(m)[k], 2) for k in ('position', 'velocity', 'effort')})
+              for m in stream[:50]]
+    for samples in (both, joined):
+        recording = SimpleNamespace(path='bag', samples=samples)
+        for use in (lambda: motion_of(model.robot, recording),
+                    lambda: estimate_recording(warm(pipeline_of(model)), recording)):
+            with pytest.raises(RecordingError, match="bag: .*'left_', 'right_'"):
+                use()

@@ -62,7 +62,9 @@ def test_other_joints_messages_are_passed_over_and_counted_apart(guard):
      'joint states name finger, pan, lift, x, but never all of pan, lift, roll'),
     ([()], 'joint states name no joint; wanted: pan, lift, roll'),
     ([('l_pan', 'r_pan', 'l_lift', 'r_lift', 'l_roll', 'r_roll'), ('finger',)],
-     'joint states arrive, but none is usable; rejected: 1 ambiguous joint')])
+     "joint states arrive, but none is usable; rejected: 1 ambiguous joint; a message has joint "
+     "states of more arms than one, behind 'l_', 'r_'; name the joints in the robot file with the "
+     'prefix of one of them')])
 def test_why_no_joint_state_is_usable_is_told(guard, messages, reason):
     """Of another arm's joint states it was said that none had come yet."""
     for names in messages:

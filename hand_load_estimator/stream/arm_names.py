@@ -6,7 +6,7 @@ from ..errors import RecordingError
 from .heard_joints import HeardJoints
 
 # Orders of names remembered; a driver that invents names must not fill the memory.
-_MOST_ORDERS = 100
+_MOST_ORDERS, _MOST_ARMS = 100, 10
 _NEW = object()
 # An arm that was not heard with its prefix for so long [s] may have got another.
 SILENT = 2.0
@@ -19,13 +19,13 @@ class ArmNames:
     Arms alike may share a topic, each with a prefix of its own in messages of its own: this one
     keeps the prefix it was heard with first, until its joints are heard by their own names, or
     never again but with another. prefix: what it is heard with, or None; used: prefixes (list) it
-    was heard with so far; others: prefixes of other arms; passed_over: joint states of other
-    joints, or arms.
+    was heard with so far; others: prefixes of other arms; together: those of arms that one
+    message has; passed_over: joint states of other joints, or arms.
     """
 
     def __init__(self, joints):
         self._joints, self._places, self._heard = joints, {}, HeardJoints(joints)
-        self.used, self.others, self.passed_over = [], set(), 0
+        self.used, self.others, self.together, self.passed_over = [], set(), set(), 0
         # Stamp of the newest of this arm; prefixes heard since then, another arm's or its own now.
         self._last, self._instead = None, set()
 
@@ -36,7 +36,8 @@ class ArmNames:
 
     def why_none(self, rejected):
         """Return in words why no joint state was usable; rejected: reason -> count."""
-        return self._heard.why_none(rejected)
+        told = self._heard.why_none(rejected)
+        return f'{told}; a message {_told_of(self.together)}' if self.together else told
 
     def index(self, names, stamp):
         """
@@ -63,7 +64,7 @@ class ArmNames:
                 self._last = stamp    # The clock was set back.
             # Its own names win; another arm is heard while this one is.
             if prefix and (prefix in self.others or not silent):
-                if len(self._instead) < _MOST_ORDERS:
+                if len(self._instead) < _MOST_ARMS:
                     self._instead.add(prefix)
                 return False
             self.others.add(self.used[-1])
@@ -82,15 +83,23 @@ class ArmNames:
             self._places.clear()
         self._places[names] = found = places(names, self._joints)
         self._heard.note(names, found[0])
+        if isinstance(found[0], str) and len(self.together) < _MOST_ARMS:
+            several = complete_prefixes(names, self._joints)
+            self.together |= set(several) if len(several) > 1 else set()
         return found
 
 
 def refuse_several(arm, name):
     """Raise RecordingError where a recording of a name has arms alike; arm: the ArmNames of it."""
-    if len(arm.used) > 1 or arm.prefix and arm.others:
-        told = ', '.join(map(repr, sorted({*arm.used, *arm.others})))
-        raise RecordingError(f'{name}: has joint states of more arms than one, behind {told}; '
-                             'name the joints in the robot file with the prefix of one of them')
+    if arm.together or len(arm.used) > 1 or arm.prefix and arm.others:
+        raise RecordingError(f'{name}: {_told_of(arm.together.union(arm.used, arm.others))}')
+
+
+def _told_of(prefixes):
+    """Return in words that arms with these prefixes were heard, and what to do."""
+    told = ', '.join(map(repr, sorted(prefixes)))
+    return (f'has joint states of more arms than one, behind {told}; name the joints in the robot '
+            'file with the prefix of one of them')
 
 
 def places(names, joints):
@@ -100,12 +109,22 @@ def places(names, joints):
     Indices (n,), a reason to reject, or None when no joint is among them; the prefix is None
     without indices.
     """
-    index = {name: i for i, name in enumerate(names)}
-    prefixes = [''] if any(joint in index for joint in joints) else sorted(
-        {name[:-len(joint)] for name in names for joint in joints if name.endswith(joint)})
-    if not prefixes:
+    index, complete = {name: i for i, name in enumerate(names)}, complete_prefixes(names, joints)
+    if complete is None:
         return None, None
-    complete = [p for p in prefixes if all(p + joint in index for joint in joints)]
     if len(complete) != 1 or any(list(names).count(complete[0] + j) > 1 for j in joints):
         return 'ambiguous_joint' if complete else 'missing_joint', None
     return np.array([index[complete[0] + joint] for joint in joints]), complete[0]
+
+
+def complete_prefixes(names, joints):
+    """
+    Return the prefixes [sorted] with which names have all joints; None where they have none.
+
+    Joints by their own names leave no other.
+    """
+    index = set(names)
+    prefixes = [''] if any(joint in index for joint in joints) else sorted(
+        {name[:-len(joint)] for name in names for joint in joints if name.endswith(joint)})
+    return [p for p in prefixes if all(p + joint in index for joint in joints)] \
+        if prefixes else None
