@@ -52,6 +52,14 @@ def test_an_arm_that_is_heard_with_another_prefix_from_now_on_is_followed(before
         refuse_several(arm, 'bag')
 
 
+def test_invented_prefixes_do_not_fill_the_memory():
+    arm = ArmNames(JOINTS)
+    for k in range(5000):
+        for prefix in ('own_', f'{k}_'):
+            arm.index(tuple(prefix + joint for joint in JOINTS), 1e-3 * k)
+    assert len(arm.others) <= 110 and arm.prefix == 'own_' and arm.passed_over == 5000
+
+
 def test_a_clock_that_was_set_back_is_no_silence():
     arm = ArmNames(JOINTS)
     assert arm.index(LEFT, 100.0) is not None and arm.index(RIGHT, 100.1) is None

@@ -72,7 +72,8 @@ class ArmNames:
             self.used.append(prefix)
             self.others.discard(prefix)
         elif self._instead:
-            self.others |= self._instead
+            if len(self.others) < _MOST_ORDERS:
+                self.others |= self._instead
             self._instead.clear()
         self._last = stamp
         return True
