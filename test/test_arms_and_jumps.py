@@ -60,6 +60,21 @@ def test_invented_prefixes_do_not_fill_the_memory():
     assert len(arm.others) <= 110 and arm.prefix == 'own_' and arm.passed_over == 5000
 
 
+def test_a_state_without_efforts_tells_of_no_prefix(model, stream):
+    """A publisher of positions only, by the joints' own names, had shut out the arm itself."""
+    guard, first = InputGuard(model.robot), stream[0]
+    nothing = np.zeros(0)
+    assert guard.accept(0.0, first.names, first.position, nothing, nothing) is None
+    assert guard.rejected == {'short_arrays': 1}
+    for k in range(1, 5):
+        ours = behind('left_', first)
+        assert guard.accept(STEP * k, ours.names, ours.position, ours.velocity,
+                            ours.effort) is not None
+        assert guard.accept(STEP * k + 1e-3, first.names, first.position, nothing,
+                            nothing) is None
+    assert guard.names.prefix == 'left_' and guard.passed_over == 4
+
+
 def test_a_clock_that_was_set_back_is_no_silence():
     arm = ArmNames(JOINTS)
     assert arm.index(LEFT, 100.0) is not None and arm.index(RIGHT, 100.1) is None

@@ -5,8 +5,7 @@ Torque noise known, torque model exact, friction state known: information is the
 K^T K / sigma^2 over all messages, joined by the same prior as everybody uses: where the messages
 tell little (moments of inertia, the first tenths of a second) it is that prior's, which is 1.4 to
 2 times as wide as the loads that are drawn, and whoever learned these goes below it. The second
-bound
-takes the same messages where nobody knows what each joint's friction held before the motion:
+bound takes the same messages where nobody knows what each joint's friction held before the motion:
 that torque f, one per joint, is estimated along with the load m from rows K m + left f, where
 `left` is the derivative of friction along the true motion, and then taken out of their joint
 information (Schur complement). f is drawn evenly over what contacts can hold; only its variance

@@ -105,7 +105,8 @@ SUITES = {
                     'known, neither of the cases nor of the recording, pick and place at 25 degC',
                     draw_case, recorded=Recorded((('pick_place', 25.0, 20.0),), told=False)),
     'room': Suite('an arm that work has warmed to 30 to 50 degC in a room of '
-                  f'{ROOM:g} degC, as in three of the four recordings of its model: sensors lag behind the gears',
+                  f'{ROOM:g} degC, as in three of the four recordings of its model: sensors lag '
+                  'behind the gears',
                   draw_case_in_room, recorded=Recorded(_IN_A_ROOM, room=ROOM)),
     'inertia': Suite('loads of 6 to 10 kg, 0.3 to 0.4 m across, wrists swinging above 10 rad/s^2',
                      draw_wide_case),

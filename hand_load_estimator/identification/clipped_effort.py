@@ -88,8 +88,9 @@ def _reported(robot, recording):
     """Return stamps (M,) and efforts (M, n) of the joint states that have them all."""
     names, stamps, efforts = ArmNames(robot.joints), [], []
     for state in recording.joint_samples:
-        order = names.index(state.names, state.stamp)
-        if isinstance(order, np.ndarray) and len(state.effort) == len(state.names):
+        told = len(state.effort) == len(state.names)
+        order = names.index(state.names, state.stamp, told)
+        if told and isinstance(order, np.ndarray):
             stamps.append(state.stamp)
             efforts.append(np.asarray(state.effort)[order])
     efforts = np.array(efforts, dtype=float).reshape(-1, robot.n)

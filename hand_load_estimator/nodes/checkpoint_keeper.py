@@ -19,7 +19,8 @@ class CheckpointKeeper:
 
     path: the file, in a folder that exists, or an empty text for none; max_age [s]: older files
     are refused, and those of another node (full name), which stay. Another refused file is put
-    aside under the name `<file>.refused`; ConfigurationError where it never was a checkpoint. told: in words what came of restoring.
+    aside under the name `<file>.refused`; ConfigurationError where it never was a checkpoint.
+    told: in words what came of restoring.
     """
 
     def __init__(self, path, max_age, node=''):

@@ -189,8 +189,8 @@ def separating_motion(robot, residual, chosen, elsewhere, here=()):
     if same:
         names = ' and '.join(dict.fromkeys((chosen.name, *same)))
         told.insert(0, f'{NO_MOTION} {names} here: the link\'s weight across the axis of its '
-                    'joint pulls as a spring, its inertia about it as a rotor; the model holds the sum; '
-                    'another mounting, or weighing the link, tells')
+                    'joint pulls as a spring, its inertia about it as a rotor; the model holds '
+                    'the sum; another mounting, or weighing the link, tells')
     if _is_last_link(robot, chosen):
         told.insert(0, f'{NO_MOTION} it from a load in the hand other than declared: take '
                     'everything off the hand, or declare what is there (load.yaml)')

@@ -39,18 +39,20 @@ class ArmNames:
         told = self._heard.why_none(rejected)
         return f'{told}; a message {_told_of(self.together)}' if self.together else told
 
-    def index(self, names, stamp):
+    def index(self, names, stamp, whole=True):
         """
         Return where the joints stand among the names of a message of a stamp [s].
 
         Indices (n,), a reason to reject, or None when it is another arm's or of other joints.
+        whole: whether it has a position and an effort of each; without, it tells of no prefix.
         """
         key = tuple(names)
         found = self._places.get(key, _NEW)
         if found is _NEW:
             found = self._note(key)
         index, prefix = found
-        if prefix is not None and not self._is_own(prefix, stamp):
+        if prefix is not None and not (self._is_own(prefix, stamp) if whole
+                                       else self.prefix in (None, prefix)):
             index = None
         if index is None:
             self.passed_over += 1

@@ -88,16 +88,16 @@ class InputGuard:
         what it has been turned on beyond that. `restarted` tells whether the clock or the arm
         jumped before this message.
         """
-        before = self.names.prefix
-        index = self.names.index(names, stamp)
+        before, size = self.names.prefix, len(names)
+        whole = len(position) == len(effort) == size and len(velocity) in (0, size)
+        index = self.names.index(names, stamp, whole)
         if self.names.prefix != before:
             self._course.forget()
         if index is None:
             return None
         if isinstance(index, str):
             return self._reject(index)
-        size = len(names)
-        if len(position) != size or len(effort) != size or len(velocity) not in (0, size):
+        if not whole:
             return self._reject('short_arrays')
         signal = np.array((position, velocity if len(velocity) else effort, effort),
                           dtype=float).take(index, 1)

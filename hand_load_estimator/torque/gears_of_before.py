@@ -13,4 +13,5 @@ def told_of_gears_of_before(model):
     if not (pulled and bound) or (model.diagnosed or '') >= COUNTED:
         return ''
     return ('the model file is from before gears carried balancers, cables and the lean of a '
-            'base: its gear friction, play or gain were found beside other torques; identify again')
+            'base: its gear friction, play or gain were found beside other torques; identify '
+            'again')

@@ -122,10 +122,9 @@ class ModelFollower:
 
     def _plain_gear(self, x, columns, load):
         """Return the gears' torque (n,) [Nm], of columns (n, P) and load columns (n, 10)."""
-        links = self.model.layout.links
-        gear = columns[:, :links] @ self.model.mean[:links] + load @ self._carried
-        layout = self.model.layout
-        return gear + layout.pull(x, self.model.mean)[0] if layout.pulls else gear
+        layout, mean = self.model.layout, self.model.mean
+        gear = columns[:, :layout.links] @ mean[:layout.links] + load @ self._carried
+        return gear + layout.pull(x, mean)[0] if layout.pulls else gear
 
     def _columns(self, x, dt, believed):
         model = self.model

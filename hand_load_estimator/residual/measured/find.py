@@ -13,7 +13,6 @@ from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_colum
                                torque_columns)
 from ...torque.filtered_noise import noise_floor, white_density
 from ...torque.lateness import as_reported, change_when_late, lateness
-from ...torque.link_pull import link_pull
 from ...torque.play import PlayAlong
 from ...torque.presliding import presliding_states, stuck_density
 from ...torque.shown_friction import ShownAlong
@@ -223,9 +222,7 @@ def _complete(model, x, columns, dt, load):
     n, robot = model.robot.n, model.robot
     gear, way = gear_torque(robot, x, model.mean, load)
     held = gear - columns[:, :, :10 * n] @ model.mean[:10 * n]
-    tilt = tilt_along(robot, model.layout, x.q, model.mean, load.to_products())
-    pull, pull_way = link_pull(model.layout, x, model.mean,
-                               tilt if model.layout.tilt(model.mean).any() else None)
+    pull, pull_way = model.link_pull(x, load.to_products())
     gear, way = gear + pull, way + pull_way
     predicted = columns @ model.mean + held
     # A gain is delayed with everything else by the delays that the model declares.
@@ -233,7 +230,8 @@ def _complete(model, x, columns, dt, load):
     rate = np.diff(predicted, axis=0, prepend=predicted[:1]) / dt[:, None]
     return replace(x, gear=gear, gear_way=way, drive=drive, rate=rate,
                    late=lateness(predicted, dt),
-                   play=play_columns(robot, x.q, gear, dt), tilt=tilt)
+                   play=play_columns(robot, x.q, gear, dt),
+                   tilt=tilt_along(robot, model.layout, x.q, model.mean, load.to_products()))
 
 
 def use_of(name, joint, shape):

@@ -17,8 +17,8 @@ _TOGETHER = tuple(map(frozenset, (
     ('friction_asymmetry', 'torque_offset'))))
 # Gravity's torque on a joint changes with the joints before it, that of its own parts does not.
 _OTHER_POSES = ('move the joint over the same range with the joints before it (of the first '
-                'joint: those behind it) in several poses: what sits at the joint stays, gravity does '
-                'not')
+                'joint: those behind it) in several poses: what sits at the joint stays, gravity '
+                'does not')
 # Where it does not change with them.
 _WHOLE_RANGE = ('move the joint over a whole turn, or as much of it as there is: the torque of a '
                 'weight is a sine of its angle, {} is not')
