@@ -1,5 +1,6 @@
 """Runs of the benchmark: from plant to result, kept and resumed, written to pages."""
 
+from dataclasses import replace
 import json
 
 from benchmark_helpers import result
@@ -15,6 +16,7 @@ from hand_load_estimator.benchmark.execute import stored
 from hand_load_estimator.benchmark.measure import (measure_plant, plant_models, robot_and_models,
                                                    run_case)
 from hand_load_estimator.benchmark.scores import complete
+from hand_load_estimator.benchmark.suites import SUITES
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning import (bayesian_network, distilled_network, left_out,
                                           neural_process)
@@ -68,8 +70,8 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
 
 def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     """One plant of a small arm with brief recordings: right, resumable, in the stated form."""
-    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 12.0),
-                                                  ('pick_place', 30.0, 8.0)))
+    brief = cases.Recorded((('excite', 20.0, 12.0), ('pick_place', 30.0, 8.0)))
+    monkeypatch.setitem(SUITES, 'base', replace(SUITES['base'], recorded=brief))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))
     for module in (bayesian_network, distilled_network, neural_process):
@@ -108,9 +110,9 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     assert 'lstm' not in found['methods']
 
 
-def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal(monkeypatch):
-    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 10.0),))
-    models = plant_models(four_axes(), seeds.DEVELOPMENT_PLANTS[91])
+def test_models_of_a_plant_are_ours_the_textbooks_and_the_nominal():
+    models = plant_models(four_axes(), seeds.DEVELOPMENT_PLANTS[91],
+                          recorded=cases.Recorded((('excite', 20.0, 10.0),)))
     names = {key: {use.name for use in model.uses} for key, model in models.items()}
     assert names['nominal'] == set()
     assert names['textbook'] == {'rotor_inertia', 'coulomb_friction', 'viscous_friction',

@@ -113,11 +113,10 @@ def test_e1_7_the_mass_is_there_a_fifth_of_a_second_after_the_motion_starts(seed
 
 def test_e1_7_the_shipped_network_is_as_quick_on_an_arm_it_never_saw(monkeypatch):
     """A development plant with friction, drives and sensors of its own, not the torque model."""
-    monkeypatch.setattr(cases, 'IDENTIFICATION', (('excite', 20.0, 20.0),
-                                                  ('pick_place', 30.0, 20.0)))
     monkeypatch.setattr(cases, 'DURATION', 6.0)
     robot, plant = load_robot(find_shared('ur10e', 'robots')), seeds.DEVELOPMENT_PLANTS[94]
-    identified = identify(robot, cases.identification_evidence(robot, plant))
+    recorded = cases.Recorded((('excite', 20.0, 20.0), ('pick_place', 30.0, 20.0)))
+    identified = identify(robot, cases.identification_evidence(robot, plant, recorded=recorded))
     rated = robot.rated_load.mass
     for seed in seeds.DEVELOPMENT_CASES[890:894]:
         case = cases.draw_case(robot, plant, seed)

@@ -11,13 +11,15 @@ from ..load import LoadParameters
 from ..motion import Motion
 from ..robot import load_robot
 from ..simulation.simulate_motions import named_motion
-from .cases import case_run, draw_case, identification_evidence, simulated, untold
+from .cases import case_run, draw_case, identification_evidence, Recorded, simulated, untold
 from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
 from .effect_floor import floor_of
 
+# Of the new arm.
+IDENTIFIED = Recorded()
 # Motion, temperature [degC], seconds. The new arm was seen in these motions at the other's
-# temperatures (cases.IDENTIFICATION), and in other draws of them.
+# temperatures, and in other draws of them.
 DIAGNOSED = (('pick_place', 15.0, 44.0), ('excite', 25.0, 44.0), ('pick_place', 36.0, 44.0),
              ('excite', 50.0, 44.0))
 TESTED = (('excite', 20.0, 20.0), ('pick_place', 42.0, 20.0))
@@ -91,6 +93,6 @@ def _evidence(robot, plant, k, name, temperature, seconds, effects):
 def new_arm(robot_path, plant):
     """Return the NewArm of a plant seed."""
     robot = load_robot(robot_path)
-    model = identify(robot, identification_evidence(robot, plant))
+    model = identify(robot, identification_evidence(robot, plant, recorded=IDENTIFIED))
     without = record(robot, plant)
     return NewArm(model, torque_rmse(model, without.test), mass_errors(model, without.loaded))
