@@ -10,7 +10,8 @@ def _columns(x, j, shape):
 
 BACKLASH = Effect(
     'backlash', 'play: when the torque of the gear changes sign the teeth part, and meet again '
-    'with an impact', 'Nordin and Gutman 2002', (('share', '-'),), (1.0,), _columns,
+    'with an impact; how long they take tells the product of travel and inertia that crosses',
+    'Nordin and Gutman 2002', (('share', '-'),), (1.0,), _columns,
     # An impact lasts a few hundredths of a second: a coarser grid would meet none of them.
     (Shape('travel', 'rad', 1e-3, tuple(round(1e-4 * 1.36 ** k, 7) for k in range(20))),
      Shape('lag', 's', 0.01, (0.007, 0.016)), Shape('pose_share', '-', 1.0, (0.01, 1.0)),
