@@ -20,8 +20,8 @@ from .saturating import GAIN
 # farther off bends as the last of these does.
 ENDS = (0.3, 0.4, 0.5, 0.7, 1.0, 1.4, 2.0)
 # An effort that ends within what the joint has shown falls behind by this share of the formula, or
-# more: less of it is a gain, beside other friction. Beyond, the formula has one form in any amount,
-# also below zero: a motor whose torque falls behind its current.
+# more: less of it is a gain, beside other friction. Beyond, the formula has one form in any
+# amount, also below zero: a motor whose torque falls behind its current.
 LEAST = 0.3
 
 
