@@ -23,6 +23,7 @@ from .lock_step import lock_step
 
 # Steps of a crossing within a sample: two milliseconds at the motion filter's rate.
 STEPS = 10
+_MIDDLES = ((np.arange(STEPS) + 0.5) / STEPS)[:, None]
 # One of the motion filter's stages, and all of them, delay by this [s].
 STAGE = 1.0 / BANDWIDTH
 FILTER_DELAY = 3.0 * STAGE
@@ -98,14 +99,15 @@ class PlayState:
             self._start(torque, half)
             return self._shown[2]
         before, ahead = self._ahead, self._at_the_teeth(torque, lag, dt)
+        moved = (self._apart | (before * self._place < 0.0) | (ahead * self._place < 0.0)
+                 | (self._impact != 0.0)).nonzero()[0]
         felt = None
-        if (self._apart | (before * self._place < 0.0) | (ahead * self._place < 0.0)
-                | (self._impact != 0.0)).any():
-            slope, step = (ahead - before) / STEPS, dt / STEPS
-            keep = np.exp(-step / impact)
-            felt = np.stack([self._cross(before + (k + 0.5) * slope, inertia, half, step, keep)
-                             for k in range(STEPS)])
-            self._impact = np.where(np.abs(self._impact) > LEAST_IMPACT, self._impact, 0.0)
+        if len(moved):
+            # Of many gaps that are followed at once few cross at the same time.
+            felt = np.zeros((STEPS, len(half)))
+            felt[:, moved] = self._cross(moved, before[moved], ahead[moved], inertia[moved],
+                                         half[moved], impact[moved],
+                                         dt if np.ndim(dt) == 0 else dt[moved])
         self._shown = _shown(self._shown, felt, dt)
         return self._shown[2]
 
@@ -120,22 +122,33 @@ class PlayState:
         self._ahead = torque + lead * rate + (3.0 * STAGE ** 2 - lag * lead) * bend
         return self._ahead
 
-    def _cross(self, torque, inertia, half, step, keep):
+    def _cross(self, moved, before, ahead, inertia, half, impact, dt):
         """
-        Return the mean torque (m,) [Nm] over a step [s] under constant torques of the link.
+        Return the mean torques (STEPS, k) of the gaps `moved` (k,) over the steps of a sample.
 
-        keep (m,): share of an impact that is left after the step.
+        before, ahead (k,) [Nm]: the links' torques at its ends, between which they are held
+        constant over a step; the rest as of update.
         """
-        parted = self._apart | (torque * self._place < 0.0)
-        speed = self._speed + step * torque / inertia
-        place = self._place + 0.5 * step * (self._speed + speed)
-        flies = parted & (np.abs(place) < half)
-        struck = np.where(flies, 0.0, parted * (inertia * speed / step - torque))
-        place = np.where(flies, place, np.copysign(half, place))
-        self._place = np.where(parted, place, self._place)
-        self._speed, self._apart = np.where(flies, speed, 0.0), flies
-        self._impact = keep * self._impact + (1.0 - keep) * struck
-        return self._impact - flies * torque
+        place, speed, apart, left = (values[moved] for values in (
+            self._place, self._speed, self._apart, self._impact))
+        step, torques = dt / STEPS, before + _MIDDLES * (ahead - before)
+        # Share of an impact that is left after a step, and of its momentum that a step takes.
+        keep, gain = np.exp(-step / impact), step / inertia
+        taken, carried = (1.0 - keep) / gain, (1.0 - keep) * torques
+        felt, half_step, other = np.empty_like(torques), 0.5 * step, -half
+        for k, (torque, hit, push) in enumerate(zip(torques, carried, gain * torques)):
+            parted = apart | (torque * place < 0.0)
+            faster = speed + push
+            there = place + half_step * (speed + faster)
+            apart = parted & (np.abs(there) < half)
+            # What was apart, or parts, and does not fly has struck.
+            left = keep * left + (parted ^ apart) * (taken * faster - hit)
+            place = np.where(parted, np.minimum(np.maximum(there, other), half), place)
+            speed = apart * faster
+            felt[k] = left - apart * torque
+        self._place[moved], self._speed[moved], self._apart[moved] = place, speed, apart
+        self._impact[moved] = np.where(np.abs(left) > LEAST_IMPACT, left, 0.0)
+        return felt
 
 
 @dataclass(frozen=True)
