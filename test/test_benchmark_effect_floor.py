@@ -19,7 +19,7 @@ def brief():
     """Record nothing but one short test."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(effect_recordings, 'DIAGNOSED', ())
-        patch.setattr(effect_recordings, 'TESTED', (('excite', 25.0, 12.0),))
+        patch.setattr(effect_recordings, 'TESTED', (('excite', 25.0, 9.0),))
         patch.setattr(effect_recordings, 'LOADED', 0)
         yield
 

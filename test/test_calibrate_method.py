@@ -31,7 +31,7 @@ from hand_load_estimator.learning.stated_factors import RANGES
 from hand_load_estimator.torque.model_file import write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
 
-RECIPE = CalibrationRecipe('bayes', calibration=8, validation=4)
+RECIPE = CalibrationRecipe('bayes', calibration=4, validation=2)
 
 
 class Killed(Exception):
@@ -54,7 +54,7 @@ def made(tmp_path_factory, model):
             raise Killed
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shards, 'BATCH', 4)
+        patch.setattr(shards, 'BATCH', 2)
         with pytest.raises(Killed):
             calibrate_method(out / 'model.yaml', out / 'again', RECIPE, killed)
         kept = list((out / 'again' / 'work').rglob('*.safetensors'))
@@ -163,7 +163,7 @@ def test_E10_1_the_folder_is_all_that_is_handed_over(made):
     folder = made[0] / 'whole'
     assert sorted(p.name for p in folder.rglob('*')) == ['card.json', 'intervals.safetensors']
     card = json.loads((folder / 'card.json').read_text())
-    assert card['network'] == 'intervals of bayes' and card['recipe']['calibration'] == 8
+    assert card['network'] == 'intervals of bayes' and card['recipe']['calibration'] == RECIPE.calibration
     assert set(card['held_out']) >= {'coverage_of_95', 'coverage_of_95_as_stated',
                                      'coverage_of_95_over_time'}
 
