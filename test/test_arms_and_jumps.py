@@ -232,16 +232,36 @@ def test_velocities_that_are_zero_while_the_arm_moves_are_none(model, stream):
     pipeline = warm(pipeline_of(model))
     last = feed(pipeline, zero)[-1]
     assert within(last, block(MASS)) and last.status == 'DETERMINED'
-    assert pipeline.velocity_is_none
+    assert pipeline.velocity_stuck.all()
     feed(pipeline, [changed(m, stamp=m.stamp + 5.0) for m in stream[100:110]])
-    assert not pipeline.velocity_is_none
+    assert not pipeline.velocity_stuck.any()
 
 
 def test_an_arm_at_rest_may_report_zeros(model):
     stream = JointStream(model.robot)
     for m in messages(model, block(1.0), 1.0, rest=1.0)[:100]:
         stream.joint_state(m.stamp, m.names, m.position, np.zeros(4), m.effort)
-    assert not stream.velocity_is_none
+    assert not stream.velocity_stuck.any()
+
+
+def test_a_velocity_that_stays_at_zero_is_not_believed(model, stream):
+    """One joint's: it was six load changes in four seconds, and twice the mass."""
+    stuck = [changed(m, velocity=np.where(np.arange(4) == 1, 0.0, m.velocity)) for m in stream]
+    pipeline = warm(pipeline_of(model))
+    last = feed(pipeline, stuck)[-1]
+    assert within(last, block(MASS)) and last.status == 'DETERMINED'
+    np.testing.assert_array_equal(pipeline.velocity_stuck, np.arange(4) == 1)
+    feed(pipeline, [changed(m, stamp=m.stamp + 5.0) for m in stream[100:110]])
+    assert not pipeline.velocity_stuck.any()
+
+
+def test_one_joint_at_rest_may_report_zeros(model, stream):
+    guarded, last = JointStream(model.robot), stream[0].position
+    for m in stream:
+        position = np.where(np.arange(4) == 1, last, m.position)
+        guarded.joint_state(m.stamp, m.names, position, np.where(np.arange(4) == 1, 0.0,
+                                                                 m.velocity), m.effort)
+        assert not guarded.velocity_stuck.any()
 
 
 def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):

@@ -82,9 +82,9 @@ class Pipeline:
         return self._stream.names
 
     @property
-    def velocity_is_none(self):
-        """Whether velocities are all zero while the arm moves, and count as missing."""
-        return self._stream.velocity_is_none
+    def velocity_stuck(self):
+        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        return self._stream.velocity_stuck
 
     @property
     def frozen(self):

@@ -253,7 +253,7 @@ class ControllerNode(Node):
             passed_over=self._guard.passed_over, last_stamp=self._guard.last_stamp,
             why_none=self._guard.why_none, names=self._guard.names,
             # Without efforts, whose noise tells, nobody knows.
-            velocity_is_none=self._guard.velocity_is_none, frozen=0.0,
+            velocity_stuck=self._guard.velocity_stuck, frozen=0.0,
             temperature_names=self._temperatures.names))
 
     def stop(self):

@@ -41,10 +41,14 @@ def _other_temperatures(used, others, pipeline):
             f'and are used, of {", ".join(others)} they are not; name them as the joint states do']
 
 
-def _velocities(none):
-    """Return [a sentence] where velocities are no measurements, or []."""
-    return ['velocities are all zero while the arm moves: they are taken from the positions'
-            ] if none else []
+def _velocities(stuck, joints):
+    """Return [a sentence] where velocities are no measurements, or []; stuck (n,) of joints."""
+    named = [joint for joint, own in zip(joints, stuck) if own]
+    if not named:
+        return []
+    which = 'velocities are all' if len(named) == len(joints) else \
+        f'the velocity of {", ".join(named)} is'
+    return [f'{which} zero while the arm moves: velocities are taken from the positions']
 
 
 def _rate(count, seconds):
@@ -101,7 +105,8 @@ class InputReport:
         rate = self._rate(pipeline, self._taken['joint_states'] - before['joint_states'])
         told = [*self._refused(pipeline), *_other_arms(pipeline.names),
                 *_other_temperatures(*pipeline.temperature_names, pipeline),
-                *told_of_frozen(pipeline.frozen), *_velocities(pipeline.velocity_is_none), *rate]
+                *told_of_frozen(pipeline.frozen),
+                *_velocities(pipeline.velocity_stuck, pipeline.model.robot.joints), *rate]
         # Within the first second temperatures may just not have come yet.
         if before['joint_states']:
             told += self._missing_temperatures(pipeline.model, known)

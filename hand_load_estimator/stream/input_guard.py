@@ -34,7 +34,7 @@ class InputGuard:
     def __init__(self, robot):
         self.names = ArmNames(robot.joints)
         self._course = Continuity(SPEED_MARGIN * robot.limits.velocity, robot.turning)
-        self._velocities, self._frozen = Velocities(), Frozen()
+        self._velocities, self._frozen = Velocities(len(robot.joints)), Frozen()
         self.rejected, self.last_stamp = Counter(), None
         self.use(robot)
 
@@ -75,16 +75,16 @@ class InputGuard:
         return self._frozen.seconds
 
     @property
-    def velocity_is_none(self):
-        """Whether velocities are all zero while the arm moves, and count as missing."""
-        return self._velocities.none
+    def velocity_stuck(self):
+        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        return self._velocities.stuck
 
     def accept(self, stamp, names, position, velocity, effort):
         """
         Return (3, n): q, v, effort, or None.
 
         v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface, or always zero (velocities.py). q is as reported; `turns` is
+        joint has no such interface, or one is always zero (velocities.py). q is as reported; `turns` is
         what it has been turned on beyond that. `restarted` tells whether the clock or the arm
         jumped before this message.
         """

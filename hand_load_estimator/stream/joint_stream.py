@@ -48,9 +48,9 @@ class JointStream:
         return self._guard.frozen
 
     @property
-    def velocity_is_none(self):
-        """Whether velocities are all zero while the arm moves, and count as missing."""
-        return self._guard.velocity_is_none
+    def velocity_stuck(self):
+        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        return self._guard.velocity_stuck
 
     @property
     def temperature_names(self):
