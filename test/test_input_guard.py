@@ -183,6 +183,24 @@ def test_broken_temperatures_are_counted_and_not_used(celsius):
     np.testing.assert_array_equal(stream.temperature, [NAN, 31.0, NAN, NAN])
 
 
+def test_zero_for_no_temperature_is_none():
+    """It is far outside of what the model of a warm arm was identified at."""
+    stream = JointStream(four_axes())
+    stream.temperature_reading('j0', 0.0)
+    stream.temperature_reading('j1', 31.0)
+    stream.temperature_reading('j1', 0.0)
+    assert stream.rejected == {'zero_temperature': 2}
+    np.testing.assert_array_equal(stream.temperature, [NAN, 31.0, NAN, NAN])
+
+
+def test_an_arm_that_freezes_may_be_at_zero():
+    stream = JointStream(four_axes())
+    for celsius in (1.0, 0.0, -1.0, 0.0):
+        stream.temperature_reading('j1', celsius)
+        assert stream.temperature[1] == celsius
+    assert not stream.rejected
+
+
 def test_temperatures_of_others_are_passed_over_and_prefixes_found():
     stream = JointStream(four_axes())
     stream.temperature_reading('gripper', 31.0)

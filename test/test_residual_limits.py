@@ -84,7 +84,7 @@ def test_temperatures_in_another_unit_are_said_to_be_refused():
     blind = [replace(moving(e, temperature=np.nan), rejected={'implausible_temperature': 30})
              for e in recorded()]
     (said,) = warmed_joints(model, blind)[1]
-    assert '120 readings are no temperature of a joint in degC (kelvin?' in said
+    assert '120 readings are no temperature of a joint in degC (kelvin, or' in said
 
 
 def test_a_recording_without_temperatures_is_named_where_others_tell_of_them():

@@ -8,6 +8,8 @@ import numpy as np
 PLAUSIBLE_TEMPERATURE = (-40.0, 150.0)
 # A reading older than this [s] says nothing any more: joints warm over minutes.
 TEMPERATURE_LIFE = 30.0
+# Exactly zero is a driver's word for none, unless the joint has just been so near [K] to it.
+NEAR_ZERO = 5.0
 # Names remembered of others; a driver that invents names must not fill the memory.
 _MOST_NAMES = 50
 
@@ -88,6 +90,9 @@ class JointTemperatures:
         # NaN is within nothing.
         if not low < celsius < high:
             self.rejected['implausible_temperature'] += 1
+            return
+        if celsius == 0.0 and not abs(self.values[index]) < NEAR_ZERO:
+            self.rejected['zero_temperature'] += 1
             return
         self.values[index] = celsius
         self._read_at[index] = np.nan if self._now is None else self._now

@@ -1,7 +1,8 @@
 """How much of a recording's input was not used, and why."""
 
 # Reasons that are not about a joint state: it is used in spite of them, or it was a temperature.
-_NO_STATE = ('gap', 'clock_restart', 'implausible_temperature', 'temperature_expired')
+_NO_STATE = ('gap', 'clock_restart', 'implausible_temperature', 'zero_temperature',
+             'temperature_expired')
 
 
 def joint_states_of(rejected):

@@ -54,15 +54,16 @@ def warmed_joints(model, evidence):
 
 def _refused(evidence):
     """Return how many readings of recordings were no temperature of a joint."""
-    counts = {e.mark: e.rejected.get('implausible_temperature', 0) for e in evidence}
+    counts = {e.mark: sum(e.rejected.get(reason, 0) for reason in (
+        'implausible_temperature', 'zero_temperature')) for e in evidence}
     return sum(counts.values())
 
 
 def _none(evidence):
     """Return in words why a temperature is not known."""
     count = _refused(evidence)
-    return (f'{count} readings are no temperature of a joint in degC (kelvin? try `hand_load '
-            'check`)') if count else 'none was recorded'
+    return (f'{count} readings are no temperature of a joint in degC (kelvin, or zero '
+            'for none? try `hand_load check`)') if count else 'none was recorded'
 
 
 def _without_temperature(evidence):
