@@ -163,7 +163,8 @@ def test_E10_1_the_folder_is_all_that_is_handed_over(made):
     folder = made[0] / 'whole'
     assert sorted(p.name for p in folder.rglob('*')) == ['card.json', 'intervals.safetensors']
     card = json.loads((folder / 'card.json').read_text())
-    assert card['network'] == 'intervals of bayes' and card['recipe']['calibration'] == RECIPE.calibration
+    assert card['network'] == 'intervals of bayes'
+    assert card['recipe']['calibration'] == RECIPE.calibration
     assert set(card['held_out']) >= {'coverage_of_95', 'coverage_of_95_as_stated',
                                      'coverage_of_95_over_time'}
 

@@ -1,49 +1,55 @@
-"""The interval of a gap's travel holds what its inertia leaves open."""
+"""The interval of a gap's travel holds what lag, pose and inertia leave open of it."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from residual_helpers import declared_model, diagnosed, on, play, recorded
 
-from hand_load_estimator.residual.tracing.gap_doubt import with_unknown_inertia
-from hand_load_estimator.residual.tracing.shape_doubt import NO_DOUBT, ShapeDoubt
+from hand_load_estimator.residual.diagnose import diagnose
+from hand_load_estimator.torque.columns import play_columns
 from hand_load_estimator.torque.play import PlayAlong
 
-TRAVEL, STD = 0.01, 1e-4
+TRUE = {'travel': 0.004, 'lag': 0.012, 'pose_share': 1.0, 'impact': 0.009}
+HEAVIER = 1.8
 
 
-def gap_of(pose_share, name='backlash'):
-    return SimpleNamespace(name=name, joint=1, shape={'travel': TRAVEL, 'pose_share': pose_share})
+def heavy_play(run):
+    """As play, but what crosses is HEAVIER than the links usually are, whatever the pose."""
+    gear = np.array([run.robot.rigid_torque(*row) for row in zip(run.x.q, run.x.v, run.x.a)])
+    along = play_columns(run.robot, run.x.q, gear, run.motion.dt)
+    heavier = replace(along, usual=HEAVIER * np.asarray(along.usual))
+    return heavier(np.arange(4), *(np.full(4, TRUE[name] if name != 'pose_share' else 0.0)
+                                   for name in ('travel', 'lag', 'pose_share', 'impact')))
 
 
-def along(factors, usual=2.0):
-    """Return what holds a PlayAlong of two joints; factors (N,): the second's inertia / usual."""
-    inertia = usual * np.stack([np.ones_like(factors), factors], axis=1)
-    rng = np.random.default_rng(0)
-    torque = np.cumsum(rng.normal(size=inertia.shape), axis=0)
-    return SimpleNamespace(x=SimpleNamespace(play=PlayAlong(
-        ((torque, inertia, np.full(len(factors), 0.02)),), [usual, usual])))
+def gap_in(diagnosis):
+    (found,) = [f for f in diagnosis.findings if f.name == 'backlash']
+    return found.parameters
+
+
+@pytest.mark.parametrize('size, seed', [(2.0, 5), (6.0, 6)])
+def test_figures_lie_within_their_intervals(size, seed):
+    """Of the first the pose is found to show, of the other not: the travel goes with that."""
+    figures = gap_in(diagnose(declared_model(), recorded(on(1, size, play), seed=seed))[0])
+    for name, true in TRUE.items():
+        value, std, _ = figures[name]
+        assert abs(value - true) < 2.0 * std, name
+        assert std < (1.0 if name == 'pose_share' else 0.7 * true), name
+
+
+def test_what_crosses_may_be_another_inertia():
+    figures = gap_in(diagnosed(on(1, 3.0, heavy_play))[0])
+    travel, std, _ = figures['travel']
+    assert abs(travel - TRUE['travel']) < 2.0 * std < 2.0 * travel
 
 
 def test_only_the_product_of_travel_and_inertia_shows():
-    factors = np.ones(300)
-    gap, heavier = 0.02, along(factors, 2.0 * 1.8).x.play
-    np.testing.assert_allclose(along(factors).x.play(1, 1.8 * gap, 0.02, 0.0, 0.01),
-                               heavier(1, gap, 0.02, 0.0, 0.01), atol=1e-12)
-
-
-def test_where_the_pose_does_not_show_any_inertia_may_have_crossed():
-    factors = np.exp(0.6 * np.tile([-1.0, 1.0], 100))
-    doubt = ShapeDoubt({'travel': STD, 'lag': 1e-3}, np.eye(1))
-    found = {share: with_unknown_inertia(doubt, gap_of(share), along(factors))
-             for share in (0.0, 0.5, 1.0)}
-    assert found[0.0].std['travel'] == pytest.approx(np.hypot(STD, 0.6 * TRAVEL))
-    assert found[0.5].std['travel'] == pytest.approx(np.hypot(STD, 0.3 * TRAVEL))
-    assert found[1.0].std['travel'] == STD
-    assert all(doubt.std['lag'] == 1e-3 for doubt in found.values())
-
-
-def test_other_effects_keep_their_doubt():
-    doubt = ShapeDoubt({'travel': STD}, np.eye(1))
-    assert with_unknown_inertia(doubt, gap_of(0.0, 'stribeck_friction'), None) is doubt
-    assert with_unknown_inertia(NO_DOUBT, gap_of(0.0), None) is NO_DOUBT
+    factors, gap = np.ones((300, 1)), 0.02
+    torque = np.cumsum(np.random.default_rng(0).normal(size=(300, 1)), axis=0)
+    light, heavy = (PlayAlong(((torque, 2.0 * factors, np.full(300, 0.02)),), [usual])
+                    for usual in (2.0, 2.0 * HEAVIER))
+    np.testing.assert_allclose(light(0, HEAVIER * gap, 0.02, 0.0, 0.01),
+                               heavy(0, gap, 0.02, 0.0, 0.01), atol=1e-12)
+    np.testing.assert_allclose(light.off_usual(0), 0.0)
+    np.testing.assert_allclose(heavy.off_usual(0), -np.log(HEAVIER))

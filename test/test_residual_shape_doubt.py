@@ -11,8 +11,8 @@ from hand_load_estimator.residual.findings import _of_effect
 from hand_load_estimator.residual.measured.blocks import Blocks
 from hand_load_estimator.residual.tracing.hypothesis import Hypothesis
 from hand_load_estimator.residual.tracing.ripple import likely_periods
-from hand_load_estimator.residual.tracing.shape_doubt import (_covariance, _steps, FAR, NARROWEST,
-                                                              NO_DOUBT, shape_doubt, ShapeDoubt)
+from hand_load_estimator.residual.tracing.shape_doubt import (_covariance, NO_DOUBT, shape_doubt,
+                                                              ShapeDoubt)
 from hand_load_estimator.residual.tracing.shape_fit import settled
 from hand_load_estimator.torque.columns import EffectUse
 
@@ -41,14 +41,6 @@ def std_of(name, shape, blocks, residual):
 
 def standard(cost, slopes):
     return np.sqrt(np.diag(_covariance(cost, slopes)))
-
-
-def test_a_gain_that_is_rough_is_looked_at_from_afar():
-    """Its steps are no curvature: the narrowest of them would tell an interval of its own."""
-    def gains(steps):
-        return -1e4 * np.ceil(np.abs(steps[:, :1]) / 1e-4) ** 0.5 - 5e5 * steps[:, :1] ** 2
-    (width,), (fall,), _ = _steps(gains, 0.0, 1)
-    assert width == NARROWEST and fall > FAR
 
 
 @pytest.mark.parametrize('size', [0.3, 1.0])

@@ -16,7 +16,7 @@ from .effect_cases import load_seeds
 from .effect_errors import mass_errors, torque_rmse
 from .effect_floor import floor_of
 
-# Of the new arm.
+# How the new arm is identified.
 IDENTIFIED = Recorded()
 # Motion, temperature [degC], seconds. The new arm was seen in these motions at the other's
 # temperatures, and in other draws of them.

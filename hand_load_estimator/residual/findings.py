@@ -14,7 +14,7 @@ from .pictures import picture
 from .tracing.candidate import ahead, hypotheses_of, significant
 from .tracing.confusable import advice, NO_MOTION
 from .tracing.effort_filter import filtered_instead
-from .tracing.gap_doubt import with_unknown_inertia
+from .tracing.gap_doubt import GAP, gap_doubt
 from .tracing.hypotheses import ONE_CAUSE
 from .tracing.one_torque import is_its_link, OF_A_LINK, weight_is_its_own
 from .tracing.shape_doubt import NO_DOUBT, shape_doubt
@@ -51,8 +51,8 @@ def _doubts_by_joint(candidate, blocks, model, residual):
     found = {}
     for hypothesis in hypotheses_of(candidate):
         if hypothesis.shape and KNEE.name not in hypothesis.shape:
-            doubt = with_unknown_inertia(shape_doubt(hypothesis, blocks, model, residual),
-                                         hypothesis, residual)
+            of = gap_doubt if hypothesis.name == GAP else shape_doubt
+            doubt = of(hypothesis, blocks, model, residual)
             found |= dict.fromkeys(hypothesis.columns, doubt)
     return found
 

@@ -84,9 +84,9 @@ class InputGuard:
         Return (3, n): q, v, effort, or None.
 
         v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface, or one is always zero (velocities.py). q is as reported; `turns` is
-        what it has been turned on beyond that. `restarted` tells whether the clock or the arm
-        jumped before this message.
+        joint has no such interface, or one is always zero (velocities.py). q is as reported;
+        `turns` is what it has been turned on beyond that. `restarted` tells whether the clock or
+        the arm jumped before this message.
         """
         before, size = self.names.prefix, len(names)
         whole = len(position) == len(effort) == size and len(velocity) in (0, size)

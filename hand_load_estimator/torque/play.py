@@ -173,10 +173,10 @@ class PlayAlong:
         return found[:, 0] if np.ndim(joints) == 0 else found
 
     def off_usual(self, joint):
-        """Return the RMS [-] of the logarithm of a joint's inertias along it over its usual."""
+        """Return the logarithm (N,) [-] of a joint's inertias along it over its usual."""
         inertia = np.concatenate([own[:, joint] for _, own, _ in self.parts])
         usual = max(self.usual[joint], LEAST_INERTIA)
-        return float(np.sqrt(np.mean(np.log(np.maximum(inertia, LEAST_INERTIA) / usual) ** 2)))
+        return np.log(np.maximum(inertia, LEAST_INERTIA) / usual)
 
     def _carried_on(self, joints, *gaps):
         """Return what gaps (m,) do along the one part, from the states on: (N, m)."""

@@ -15,10 +15,9 @@ from .hypothesis import searched
 
 # A step in the logarithm of a shape is to cost NEAR to FAR nats, best GOOD of them: few enough
 # for a parabola, many enough to be no accident. It begins with FIRST, is changed by no more than
-# these factors, TURNS times at most, never wider than WIDEST nor below NARROWEST: followed in
-# steps, a gap's gain is rough where it is looked at that closely.
+# these factors, TURNS times at most, and never wider than WIDEST.
 NEAR, GOOD, FAR = 0.5, 2.0, 8.0
-FIRST, NARROWEST, WIDEST, FACTORS, TURNS = 0.06, 1e-3, 0.5, (0.01, 4.0), 8
+FIRST, WIDEST, FACTORS, TURNS = 0.06, 0.5, (0.01, 4.0), 8
 LEAST = 1e-3   # [nats] a direction of curvature costs at least, for one such step
 
 
@@ -88,12 +87,11 @@ def _steps(gains, here, size):
         up, down = np.split(gains(np.concatenate([axes, -axes])), 2)
         for k, above, below in zip(tuple(left), up, down):
             falls[k], slopes[k] = here - 0.5 * (above + below).sum(), 0.5 * (above - below)
-            if NEAR < falls[k] < FAR or falls[k] < NEAR and widths[k] == WIDEST \
-                    or falls[k] > FAR and widths[k] == NARROWEST:
+            if NEAR < falls[k] < FAR or falls[k] < NEAR and widths[k] == WIDEST:
                 left.remove(k)
             elif turn < TURNS - 1:
                 change = np.clip(np.sqrt(GOOD / max(falls[k], 1e-9)), *FACTORS)
-                widths[k] = np.clip(widths[k] * change, NARROWEST, WIDEST)
+                widths[k] = min(widths[k] * change, WIDEST)
         if not left:
             break
     return widths, falls, np.array(slopes)
