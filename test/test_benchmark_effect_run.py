@@ -45,7 +45,7 @@ def robot_path(tmp_path_factory):
 @pytest.fixture
 def small(robot_path, monkeypatch):
     """Return the path of a small arm's robot file; recordings are brief, no diagnosis is made."""
-    brief = (('excite', 20.0, 12.0), ('pick_place', 30.0, 8.0))
+    brief = (('excite', 20.0, 9.0), ('pick_place', 30.0, 6.0))
     monkeypatch.setattr(effect_recordings, 'IDENTIFIED', cases.Recorded(brief))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(effect_recordings, 'DIAGNOSED', brief)

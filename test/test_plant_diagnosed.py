@@ -16,7 +16,7 @@ from hand_load_estimator.torque.model_file import read_model
 
 # Motion and temperature [degC]; the last is kept for the test. The shipped model saw others.
 RECORDED = (('excite', 20.0), ('pick_place', 40.0), ('excite', 32.0), ('excite', 28.0))
-SECONDS, FIRST = 20.0, 40
+SECONDS, FIRST = 14.0, 40
 
 
 @pytest.fixture(scope='module')
