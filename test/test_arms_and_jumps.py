@@ -255,6 +255,22 @@ def test_a_velocity_that_stays_at_zero_is_not_believed(model, stream):
     assert not pipeline.velocity_stuck.any()
 
 
+def test_what_moved_while_nothing_was_heard_is_not_stuck(model):
+    guard, arm = InputGuard(model.robot), model.robot.joints
+    for stamp, place in ((0.0, 0.0), (0.01, 0.0), (0.41, 0.2), (0.42, 0.2)):
+        guard.accept(stamp, arm, [0.0, place, 0.0, 0.0], [0.1, 0.0, 0.1, 0.1], [0.0] * 4)
+        assert not guard.velocity_stuck.any()
+
+
+def test_whose_velocity_is_measured_keeps_it_beside_one_that_is_stuck(model):
+    """A controller brakes from it."""
+    guard, arm = InputGuard(model.robot), model.robot.joints
+    for k in range(20):
+        signal = guard.accept(0.02 * k, arm, [0.0, 0.01 * k, 0.0, 0.0], [0.1, 0.0, 0.2, 0.3],
+                              [0.0] * 4)
+    np.testing.assert_array_equal(signal[1], [0.1, np.nan, 0.2, 0.3])
+
+
 def test_one_joint_at_rest_may_report_zeros(model, stream):
     guarded, last = JointStream(model.robot), stream[0].position
     for m in stream:

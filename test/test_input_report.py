@@ -94,6 +94,20 @@ def test_an_arm_without_sensors_is_not_asked_for_temperatures():
     assert values['temperatures known'] == '0 of 4'
 
 
+def test_zero_for_no_temperature_is_told_as_none_and_hides_nothing():
+    zero = dict.fromkeys(ALL, 0.0)
+    fed = Fed(COLD)
+    for _ in range(2):
+        level, message, values = fed.second(zero)
+    assert (level, message) == (OK, 'joint states arrive')
+    assert values['rejected zero_temperature'] == 8
+    fed = Fed()
+    for _ in range(2):
+        _, message, _ = fed.second(zero)
+    assert message == 'no temperature of j0, j1, j2, j3: taken as unknown, intervals wider'
+    assert 'no usable joint state' in fed.second(zero, names=('j0', 'j1', 'j2', 'x'))[1]
+
+
 def test_a_sensor_that_falls_silent_is_told():
     fed = Fed()
     fed.second(ALL)

@@ -45,8 +45,8 @@ def _plausibility(readings):
     if low > _KELVIN:
         return Finding('temperature unit', WRONG, text, 'looks like kelvin; publish degC')
     if not finite.any():
-        return Finding('temperature unit', DOUBT, 'all exactly zero', 'where the arm is not at '
-                       '0 degC, a missing temperature must be NaN or not be sent')
+        return Finding('temperature unit', DOUBT, 'all exactly zero', 'they count as none; a '
+                       'missing temperature must be NaN or not be sent')
     if any(_zero_for_missing(v[np.isfinite(v)], finite) for v in joints if 0.0 in v):
         return Finding('temperature unit', WRONG, f'{text}, with zeros', 'a missing temperature '
                        'must be NaN or not be sent')

@@ -83,7 +83,7 @@ class Pipeline:
 
     @property
     def velocity_stuck(self):
-        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        """Which joints' (n,) velocities are zero while they move: all are done without then."""
         return self._stream.velocity_stuck
 
     @property

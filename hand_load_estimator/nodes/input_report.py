@@ -116,8 +116,9 @@ class InputReport:
         """Return sentences on the joint states that were not used."""
         rejected, newest = pipeline.rejected, pipeline.last_stamp
         # Messages with some of the joints are normal, as long as whole ones come too.
+        # Temperatures of zero are told of where they are missed.
         newly = (sum(rejected.values()) - rejected.get('missing_joint', 0)
-                 - self._rejected_before)
+                 - rejected.get('zero_temperature', 0) - self._rejected_before)
         self._rejected_before += newly
         stopped, self._newest_before = newest == self._newest_before, newest
         told = [f'{newly} inputs rejected in the last second'] if newly else []

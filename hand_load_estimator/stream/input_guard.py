@@ -76,15 +76,20 @@ class InputGuard:
 
     @property
     def velocity_stuck(self):
-        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        """Which joints' (n,) velocities are zero while they move, and count as missing."""
         return self._velocities.stuck
+
+    @property
+    def some_velocity_stuck(self):
+        """Whether there is such a joint."""
+        return self._velocities.some
 
     def accept(self, stamp, names, position, velocity, effort):
         """
         Return (3, n): q, v, effort, or None.
 
         v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface, or one is always zero (velocities.py). q is as reported;
+        joint has no such interface, or is always zero (velocities.py). q is as reported;
         `turns` is what it has been turned on beyond that. `restarted` tells whether the clock or
         the arm jumped before this message.
         """

@@ -1,5 +1,7 @@
 """Messages in, MotionSamples out: the guard and the filter as nodes and files both use them."""
 
+import math
+
 from ..motion import Motion, MotionFilter
 from .arm_names import refuse_several
 from .commanded_positions import CommandedPositions
@@ -49,7 +51,7 @@ class JointStream:
 
     @property
     def velocity_stuck(self):
-        """Which joints' (n,) velocities are zero while they move: all count as missing then."""
+        """Which joints' (n,) velocities are zero while they move: all are done without then."""
         return self._guard.velocity_stuck
 
     @property
@@ -79,6 +81,9 @@ class JointStream:
             return None
         if self._guard.restarted:
             self._filter.restart()
+        if self._guard.some_velocity_stuck:
+            # The filter knows all velocities or none.
+            accepted[1] = math.nan
         if self._guard.turns is not None:
             accepted[0] += self._guard.turns
         if self._commands is not None:

@@ -29,11 +29,14 @@ def in_words(rejected):
 
 def told_of_rejected(evidence, least=0.0):
     """Return [a sentence on the input that was not used], [] if it is no more than a share."""
-    count = sum(evidence.rejected.values())
+    # A driver's zeros for temperatures it does not measure are no messages that something broke.
+    rejected = {reason: count for reason, count in evidence.rejected.items()
+                if reason != 'zero_temperature'}
+    count = sum(rejected.values())
     if count <= least * (count + _used(evidence)):
         return []
     return [f'{count} of {count + _used(evidence)} messages of {evidence.name} were rejected '
-            f'({in_words(evidence.rejected)}); look at them with `hand_load check`']
+            f'({in_words(rejected)}); look at them with `hand_load check`']
 
 
 def _used(evidence):

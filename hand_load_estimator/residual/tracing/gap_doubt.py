@@ -5,7 +5,7 @@ A gap is followed in steps, and its gain is rough; a longer lag makes up for a s
 more of the pose for more of it. No curvature at the best figures tells that. Draws do, weighed
 as if so many nats were one: adaptive importance sampling (Bugallo et al. 2017), cooled down to
 the height of those steps from a temperature at which enough of the draws count, or as far as they
-do: intervals are wider then.
+do: intervals are wider then. What nothing tells stays as wide as before any gain.
 
 How long a crossing takes tells the product of travel and inertia, and an impact returns what the
 crossing spared whatever the inertia. So far as the pose does not show, that of the links at any
@@ -23,7 +23,7 @@ ROUGH = 5e-3
 DRAWS, ROUNDS = 120, 12
 # So many draws have to count, by their weights; before any gain a figure may be so far off, in its
 # logarithm.
-COUNT, FIRST = 24.0, 0.5
+COUNT, FIRST = 24.0, 1.0
 # The next draws are so much wider than what is told so far, and no narrower than this.
 WIDER, LEAST = 1.3, 1e-12
 
@@ -36,7 +36,7 @@ def gap_doubt(hypothesis, blocks, model, residual):
     draws, scores, weights = _cooled(hypothesis, plain, blocks, model, residual)
     mean, covariance = _moments(draws, weights)
     # About what was found, which is the best of them and seldom their mean.
-    off = mean - np.where(plain, found, np.log(found))
+    off = mean - np.where(plain, np.clip(found, 0.0, 1.0), np.log(found))
     std = np.sqrt(np.diag(covariance) + off ** 2) * np.where(plain, 1.0, found)
     told = dict(zip(names, std.tolist()))
     told[TRAVEL] = float(np.hypot(told[TRAVEL], (1.0 - mean[names.index(POSE_SHARE)])
@@ -55,7 +55,7 @@ def _cooled(hypothesis, plain, blocks, model, residual):
     start = np.where(plain, 0.5, np.log([hypothesis.shape[name] for name in names]))
     first = mean, covariance = start, np.diag(np.where(plain, 1.0, FIRST) ** 2)
     rough = max(ROUGH * blocks.evaluate(hypothesis.columns).by_block.sum(), 1.0)
-    warmth = np.inf
+    best, kept = np.inf, None
     for _ in range(ROUNDS):
         drawn = mean, WIDER ** 2 * covariance + LEAST * np.eye(len(names))
         draws = _within(rng, *drawn, plain)
@@ -65,11 +65,13 @@ def _cooled(hypothesis, plain, blocks, model, residual):
                   for trial in of_shapes(hypothesis, shapes, model, residual)]
         gains = np.array([score.by_block.sum() for score in scores])
         expected = _log_density(draws, *first) - _log_density(draws, *drawn)
-        weights, warmth = _weights(gains, expected, rough, warmth)
+        weights, warmth = _weights(np.nan_to_num(gains, nan=-np.inf), expected, rough)
         mean, covariance = _moments(draws, weights)
+        if warmth < best or kept is None:
+            best, kept = warmth, (draws, scores, weights)
         if warmth <= rough:
             break
-    return draws, scores, weights
+    return kept
 
 
 def _within(rng, mean, covariance, plain):
@@ -88,19 +90,19 @@ def _log_density(draws, mean, covariance):
     return -0.5 * np.einsum('ij,ij->i', off, np.linalg.solve(covariance, off.T).T)
 
 
-def _weights(gains, expected, coldest, hottest):
+def _weights(gains, expected, coldest):
     """
     Return weights (N,) of draws, and the temperature [nats] at which COUNT of them count.
 
     expected (N,): logarithm of how much more often than they were drawn they are expected.
     """
-    for warmth in (*(coldest * 1.2 ** np.arange(80.0)), hottest):
-        logarithm = gains / min(warmth, hottest) + expected
+    for warmth in coldest * 1.2 ** np.arange(80.0):
+        logarithm = gains / warmth + expected
         weights = np.exp(logarithm - logarithm.max())
         weights /= weights.sum()
-        if warmth >= hottest or 1.0 / (weights ** 2).sum() >= COUNT:
+        if 1.0 / (weights ** 2).sum() >= COUNT:
             break
-    return weights, min(warmth, hottest)
+    return weights, warmth
 
 
 def _moments(draws, weights):
