@@ -10,10 +10,20 @@ import numpy as np
 # Moments within a sample: five milliseconds apart at the motion filter's rate.
 STEPS = 4
 SHARES = np.arange(1, STEPS + 1) / STEPS
-# A joint has turned around when it is so far [rad] back. Encoders of arms have a noise of up to
-# 3e-5 rad, which would rub away what friction a standing joint holds: where two samples are within
-# NOISE [rad], it has to be that far.
-TURNED, NOISE = 3e-5, 2e-4
+# A joint has turned around when it is so far [rad] back. A standing one has to be further: noise
+# would rub away what friction it holds. It stands where two samples are within STANDS [rad].
+TURNED, STANDS = 3e-5, 2e-4
+# Encoders differ: with more noise than 0.03 mrad both are so many of its standard deviations.
+DEVIATIONS, SPREAD = 3.0, 8.0
+# Noise is told by third differences, over so many samples in which a joint stands: those of one
+# in motion tell how its stamps jitter. A sample holds a message for each of its steps: straight
+# lines between fewer hide noise. One counts as no more than so many times the mean, once a few
+# were seen; two samples are of a standing joint where their means are within so many standard
+# deviations.
+MEMORY, FEW, LARGEST, STILL = 250, 5, 4.0, 3.0
+# Third differences that end within the newer of two samples, (STEPS, 2 STEPS), of white noise with
+# its variance.
+_THIRD = np.diff(np.eye(2 * STEPS), 3, axis=0)[-STEPS:] / np.sqrt(20.0)
 
 
 class MeasuredCourse:
@@ -66,12 +76,43 @@ class Ways:
 
     def __init__(self, q):
         self._at, self._direction, self._before = q, np.zeros_like(q), q[None]
+        self._dt, self._full = 0.0, False
+        self._count, self._variance = np.zeros((2, len(q)))
 
-    def along(self, q):
-        """Return the ways (STEPS, n) [rad] along the positions q (STEPS, n) of a sample."""
-        spread, self._before = np.ptp(np.concatenate([self._before, q]), axis=0), q
-        back = np.where(spread > NOISE, TURNED, NOISE)
+    def along(self, q, dt, messages):
+        """
+        Return the ways (STEPS, n) [rad] along the positions q (STEPS, n) of a sample.
+
+        dt [s] since the one before, in which so many messages came.
+        """
+        both = np.concatenate([self._before, q])
+        self._learn(both, dt, messages >= STEPS)
+        spread, self._before = both.max(axis=0) - both.min(axis=0), q
+        noise = np.sqrt(self._variance)
+        stands = np.maximum(STANDS, SPREAD * noise)
+        moved = q - np.concatenate([self._at[None], q[:-1]])
+        if (moved * self._direction > 0.0).all():
+            self._at = q[-1]
+            return moved
+        back = np.where(spread > stands, np.maximum(TURNED, DEVIATIONS * noise), stands)
         return np.array([self._to(now, back) for now in q])
+
+    def _learn(self, both, dt, full):
+        """Learn the noise from two samples (2 STEPS, n) that are alike, of messages enough."""
+        alike = abs(dt - self._dt) < 0.1 * dt
+        told, self._dt, self._full = alike and full and self._full, dt, full
+        if not told:
+            return
+        third = _THIRD.dot(both)
+        square = (third * third).sum(axis=0) / STEPS
+        moved = both[STEPS:].sum(axis=0) - both[:STEPS].sum(axis=0)
+        still = (square > 0.0) & (
+            (moved / STEPS) ** 2 < STILL ** 2 * np.maximum(square, self._variance))
+        if not still.any():
+            return
+        square = np.where(self._count < FEW, square, np.minimum(square, LARGEST * self._variance))
+        self._count = np.minimum(self._count + still, MEMORY)
+        self._variance += still * (square - self._variance) / np.maximum(self._count, 1.0)
 
     def _to(self, q, back):
         moved = q - self._at

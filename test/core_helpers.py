@@ -22,14 +22,14 @@ from hand_load_estimator.robot import robot_from_content
 from hand_load_estimator.torque.columns import (EffectUse, effect_slices, parameter_count,
                                                 torque_columns, warmth_of)
 from hand_load_estimator.torque.model_follower import ModelFollower
-from hand_load_estimator.torque.presliding import presliding_path
+from hand_load_estimator.torque.presliding import PreslidingState
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 EFFECTS = ('rotor_inertia', 'coulomb_friction', 'viscous_friction', 'presliding_hysteresis',
            'temperature_dependent_viscous_friction', 'torque_offset')
 # Values per newton metre of the joint's drive, in the order of each effect's parameters.
 VALUES = {'rotor_inertia': (0.004,), 'coulomb_friction': (0.03,), 'viscous_friction': (0.04,),
-          'presliding_hysteresis': (0.03,), 'torque_offset': (0.003,),
+          'presliding_hysteresis': (0.001,), 'torque_offset': (0.003,),
           'temperature_dependent_viscous_friction': (-6e-4, 4e-6)}
 TRAVEL = 1e-3
 # Methods with intervals shipped for the shipped model; those of least_squares made it worse.
@@ -121,6 +121,13 @@ def swing(robot, times, rest=0.6, seed=0, size=0.5):
     a = fade[0] * wave[2] + 2 * fade[1] * wave[1] + fade[2] * wave[0]
     centre = 0.5 * (np.maximum(robot.limits.lower, -2.5) + np.minimum(robot.limits.upper, 2.5))
     return centre + 0.3 + q, v, a
+
+
+def presliding_path(q, v, dt, distance, power=None):
+    """Return z and doubt (N, n) along q, v (N, n) of no filter, dt (N,) apart."""
+    state = PreslidingState(distance, np.full(len(distance), np.inf) if power is None else power)
+    both = np.array([state.update(*row) for row in zip(q, v, dt)])
+    return both[:, 0], both[:, 1]
 
 
 def torque_of(model, q, v, a, dt, temperature, loads):

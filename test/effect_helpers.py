@@ -9,7 +9,8 @@ from hand_load_estimator.motion import Motion
 from hand_load_estimator.torque.columns import effect_slices, EffectUse, parameter_count
 from hand_load_estimator.torque.lateness import lateness
 from hand_load_estimator.torque.play import PlayAlong
-from hand_load_estimator.torque.shown_friction import course_behind, shown_along
+from hand_load_estimator.torque.shown_along import shown_along
+from hand_load_estimator.torque.shown_friction import course_behind
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 DT = 0.02
@@ -40,7 +41,14 @@ def inputs(n=4, count=60, seed=0):
         10.0 * rng.normal(size=shape), rng.normal(size=shape), torque, rng.normal(size=shape),
         lambda: tilt, lateness(torque, dt),
         PlayAlong(((torque, 2.0 + np.zeros(shape), dt),), np.full(n, 2.0)),
-        shown_along(course_behind(q, v, a, dt), dt, warmth))
+        shown_of(q, v, a, warmth), at_once=rng.uniform(-1, 1, shape))
+
+
+def shown_of(q, v, a, warmth):
+    """Return what `shown` is of random numbers (N, n)."""
+    dt, n = np.full(len(q), DT), q.shape[1]
+    return shown_along(course_behind(q, v, a, dt), dt, warmth,
+                       (np.full(n, 1e-3), np.full(n, np.inf)))
 
 
 def model_with(robot, names, values, shape=None):

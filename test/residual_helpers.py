@@ -13,7 +13,6 @@ from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED
 from hand_load_estimator.torque.columns import (ColumnLayout, motion_input, play_columns,
                                                 presliding_distances, torque_columns)
-from hand_load_estimator.torque.presliding import presliding_path
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 RUNS, SECONDS = 4, 16.0
@@ -184,8 +183,7 @@ def stretched(run):
 
 def turned_late(run):
     """Friction that turns over a long way, and then is at its level."""
-    way = np.full(run.robot.n, 0.02), np.full(run.robot.n, 2.0)
-    return presliding_path(run.motion.q, run.motion.v, run.motion.dt, *way)[0] - run.x.z
+    return run.x.shown(np.arange(run.robot.n), 0.02, 2.0) - run.x.z
 
 
 def peak(run):
@@ -209,7 +207,7 @@ def thinning(run):
 
 
 def constant_friction(run):
-    return np.sign(run.x.v)
+    return run.x.z
 
 
 def assert_only(diagnosis, name, joints, alternatives=()):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hand_load_estimator.course import (MeasuredCourse, NOISE, SHARES, STEPS, TURNED,
+from hand_load_estimator.course import (MeasuredCourse, SHARES, STANDS, STEPS, TURNED,
                                         Ways)
 from hand_load_estimator.motion import Motion, MotionFilter
 
@@ -58,17 +58,17 @@ def test_where_one_sample_has_none_the_motion_has_none():
 
 def ways_along(q):
     ways = Ways(q[0])
-    return np.concatenate([ways.along(own) for own in q.reshape(-1, STEPS, 1)])
+    return np.concatenate([ways.along(own, 0.02, 10) for own in q.reshape(-1, STEPS, 1)])
 
 
-@pytest.mark.parametrize('noise', [5e-6, 3e-5])
+@pytest.mark.parametrize('noise', [5e-6, 3e-5, 1e-4, 1e-3])
 def test_noise_of_a_standing_joint_is_hardly_any_way(noise):
     """Two minutes of rest."""
     q = 0.3 + noise * np.random.default_rng(1).normal(size=(24_000, 1))
-    assert np.abs(ways_along(q)).sum() < 5.0 * NOISE
+    assert np.abs(ways_along(q)).sum() < 5.0 * max(STANDS, 8.0 * noise)
 
 
-@pytest.mark.parametrize('acceleration, late', [(3.0, 1e-4), (0.02, NOISE + 1e-5)])
+@pytest.mark.parametrize('acceleration, late', [(3.0, 1e-4), (0.02, STANDS + 1e-5)])
 def test_all_of_a_way_counts_once_a_joint_has_turned(acceleration, late):
     """A quick reversal is told at once, one as slow as noise when it is beyond noise."""
     t = np.arange(-400, 400) * 0.005
@@ -78,3 +78,25 @@ def test_all_of_a_way_counts_once_a_joint_has_turned(acceleration, late):
     turned = np.flatnonzero(ways[401:, 0])[0] + 401
     assert TURNED <= -q[turned, 0] < late + TURNED
     assert ways[401:].sum() == pytest.approx(q[-1] - q[400])
+
+
+def test_noise_is_told_after_a_start_that_stood_still_to_the_bit():
+    rng = np.random.default_rng(3)
+    q = np.concatenate([np.full((2000, 1), 0.3), 0.3 + 1e-4 * rng.normal(size=(12_000, 1))])
+    assert np.abs(ways_along(q)).sum() < 5.0 * 8.0 * 1e-4
+
+
+@pytest.mark.parametrize('kind', ['jitter', 'held'])
+def test_what_is_uneven_in_motion_is_no_noise_of_an_encoder(kind):
+    """Stamps off by a millisecond, or positions that come four times: a reversal is seen soon."""
+    t, rng = 0.005 * np.arange(4000), np.random.default_rng(5)
+    if kind == 'held':
+        q = 0.3 * np.sin(2.0 * np.floor(t / 0.008) * 0.008)
+    else:
+        q = 0.3 * np.sin(2.0 * (t + 1e-3 * rng.normal(size=len(t))))
+    ways = ways_along(q[:, None])[:, 0]
+    for turned in (np.arange(3, 12) + 0.5) * np.pi / 2.0:
+        where = (t > turned) & (t < turned + 0.3)
+        sign = np.sign(np.cos(2.0 * (turned + 0.1)))
+        first = t[where][np.flatnonzero(np.sign(ways[where]) == sign)[0]]
+        assert 0.3 * (1.0 - np.cos(2.0 * (first - turned))) < 4.0 * STANDS

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from core_helpers import four_axes
-from effect_helpers import DT, inputs, model_with
+from effect_helpers import DT, inputs, model_with, shown_of
 import numpy as np
 import pytest
 
@@ -15,7 +15,7 @@ from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, Eff
 from hand_load_estimator.torque.lateness import lateness
 from hand_load_estimator.torque.play import PlayAlong
 
-ALWAYS = ('q', 'v', 'a', 'warmth', 'z')
+ALWAYS = ('q', 'v', 'a', 'warmth', 'z', 'at_once', 'shown')
 
 
 def shapes_of(effect, count):
@@ -70,7 +70,8 @@ def test_another_joint_changes_nothing(name):
             mixed[field][:, 2] = getattr(x, field)[:, 2]
     dt = np.full(60, DT)
     tilt = np.where(np.arange(4)[:, None] == 2, x.tilt(), other.tilt())
-    mixed = EffectInput(**mixed, tilt=lambda: tilt, late=lateness(mixed['drive'], dt),
+    mixed = EffectInput(**mixed, shown=shown_of(*(mixed[k] for k in ('q', 'v', 'a', 'warmth'))),
+                        tilt=lambda: tilt, late=lateness(mixed['drive'], dt),
                         play=PlayAlong(((mixed['drive'], 2.0 + np.zeros((60, 4)), dt),),
                                        np.full(4, 2.0)))
     np.testing.assert_allclose(of_joint(effect, mixed, 2), of_joint(effect, x, 2))
@@ -84,8 +85,9 @@ def test_joints_may_be_declared_in_any_order():
     columns = np.zeros((60, n, parameter_count(n, uses)))
     ColumnLayout(n, uses).fill(columns, x)
     for use, where in effect_slices(n, uses):
-        np.testing.assert_array_equal(columns[:, use.joint, where],
-                                      use.effect.columns(x, use.joint, use.shape))
+        np.testing.assert_allclose(columns[:, use.joint, where],
+                                   use.effect.columns(x, use.joint, use.shape), rtol=1e-12,
+                                   atol=1e-15)
     assert np.count_nonzero(columns) == 60 * (4 + 8)
 
 

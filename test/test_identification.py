@@ -14,6 +14,7 @@ from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
 from hand_load_estimator.identification.regression_system import posterior_of, System
+from hand_load_estimator.identification.shape_search import search_shapes
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import (JointSample, read_recording, Recording,
@@ -33,27 +34,30 @@ TRUE_SHAPE = {'stribeck_velocity': 0.12, 'presliding_distance': 1.5e-3}
 class Made:
     """An arm whose parameters were drawn from identification's own prior."""
 
-    def __init__(self, robot, seed=1, density=None, recordings=4, seconds=30.0, names=NAMES):
+    def __init__(self, robot, seed=1, density=None, recordings=4, seconds=30.0, names=NAMES,
+                 power=np.inf):
         rng = np.random.default_rng(seed)
         self.robot = robot
-        self.uses = tuple(EffectUse(n, j, {s.name: TRUE_SHAPE.get(s.name, s.default)
+        shape = TRUE_SHAPE | {'power': power}
+        self.uses = tuple(EffectUse(n, j, {s.name: shape.get(s.name, s.default)
                                            for s in EFFECTS[n].shapes})
                           for j in range(robot.n) for n in names if n in EFFECTS)
         mean, covariance = prior(robot, self.uses, 'link_inertia' in names)
         self.x = mean + 0.5 * np.sqrt(np.diag(covariance)) * rng.normal(size=len(mean))
         for use, where in effect_slices(robot.n, self.uses):
-            if use.name in ('coulomb_friction', 'presliding_hysteresis'):
+            if use.name == 'coulomb_friction':
                 self.x[where.start] = 0.04 * robot.limits.torque[use.joint]
             if use.name == 'stribeck_friction':
                 self.x[where.start] = 0.03 * robot.limits.torque[use.joint]
         self.density = density or (4e-3 * robot.limits.torque) ** 2 * DT
         distance = np.full(robot.n, TRUE_SHAPE['presliding_distance'])
-        self.evidence = []
+        self.evidence, turning = [], np.full(robot.n, power)
         for k in range(recordings):
             # Each temperature twice: leaving one recording out must not extrapolate.
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
             layout = ColumnLayout(robot.n, self.uses)
-            columns = torque_columns(robot, layout, motion_input(robot, motion, distance)[0])
+            x, _ = motion_input(robot, motion, distance, turning)
+            columns = torque_columns(robot, layout, x)
             noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
             self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))
 
@@ -130,11 +134,25 @@ def test_stated_deviations_are_small_where_it_matters(made, found):
     assert (np.std(off, axis=0) < 0.05 * np.std(before, axis=0)).all()
 
 
-def test_shapes_are_found_on_their_grid(found):
+def test_shapes_are_found(found):
     shapes = {name: [u.shape[name] for u in found.uses if name in u.shape]
               for name in TRUE_SHAPE}
-    assert shapes['presliding_distance'] == [1.5e-3] * 4
+    np.testing.assert_allclose(shapes['presliding_distance'], 1.5e-3, rtol=0.05)
+    assert all(np.isinf(u.shape['power']) for u in found.uses
+               if u.name == 'presliding_hysteresis')
     assert shapes['stribeck_velocity'].count(0.12) >= 3
+
+
+def test_a_power_of_turning_is_found_with_its_travel(monkeypatch):
+    monkeypatch.setitem(TRUE_SHAPE, 'presliding_distance', 8e-4)
+    made = Made(four_axes(), recordings=2, power=1.5)
+    uses = tuple(EffectUse(u.name, u.joint) for u in made.uses)
+    for again in (False, True):
+        uses = search_shapes(made.robot, uses, made.evidence, made.x, made.density,
+                             0.04 * made.robot.limits.torque, again)
+    turning = [u.shape for u in uses if u.name == 'presliding_hysteresis']
+    assert [shape['power'] for shape in turning] == [1.5] * 4
+    np.testing.assert_allclose([s['presliding_distance'] for s in turning], 8e-4, rtol=0.15)
 
 
 def test_the_noise_is_found(made, found):

@@ -254,12 +254,13 @@ def test_random_motions_are_motions(maker, seed):
 
 def test_friction_turns_over_its_distance_and_rests_where_it_was_left():
     rng, n = np.random.default_rng(4), 3
-    truth = draw_friction(rng, np.full(n, 9.0), np.full(n, 2.0), np.full(n, 9.0),
-                          np.full(n, 10.0), np.full(n, 0.1), np.full(n, 1e-3))
+    truth = draw_friction(rng, np.full(n, 9.0), np.full(n, 2.0), np.zeros(n),
+                          np.full(n, 10.0), (np.full(n, 0.1), np.ones(n)),
+                          (np.full(n, 1e-3), np.full(n, np.inf)))
     q = np.concatenate([np.linspace(0, 0.02, 300), np.linspace(0.02, 0.0, 300)])[:, None] \
         * np.ones(n)
     v = np.gradient(q, 0.01, axis=0)
-    z = friction_state(np.random.default_rng(5), q, v, truth)
+    z = friction_state(np.random.default_rng(5), q, v, 0.01, truth)
     # Static friction may exceed sliding friction by a fifth.
     assert (np.abs(z) <= 1.2 + 1e-12).all()
     np.testing.assert_allclose(z[299], 1.0, atol=1e-3)

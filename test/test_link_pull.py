@@ -11,7 +11,6 @@ from residual_helpers import clean_runs, declared_model, diagnosed, SECONDS, tol
 
 from hand_load_estimator.effects import EffectInput
 from hand_load_estimator.torque.columns import EffectUse, torque_columns
-from hand_load_estimator.torque.gears_of_before import told_of_gears_of_before
 
 JOINT, COEFFICIENT = 1, 0.2
 SPRING = {'gravity_spring': (-4.0, 1.0)}
@@ -102,13 +101,3 @@ def test_friction_of_a_balanced_gear_is_found_with_its_coefficient():
     (found,) = diagnosis.findings
     mean, std, _ = found.parameters['coefficient']
     assert mean == pytest.approx(COEFFICIENT, abs=3.0 * std) and std < 0.1 * COEFFICIENT
-
-
-def test_models_from_before_gears_carried_these_are_told():
-    robot, values = four_axes(), SPRING | {'load_dependent_friction': (0.1,)}
-    model = model_with(robot, tuple(values), values)
-    for diagnosed, told in ((None, True), ('2026-11-01T10:00', True), ('2026-12-01T10:00', False)):
-        dated = replace(model, diagnosed=diagnosed)
-        assert ('identify again' in told_of_gears_of_before(dated)) == told
-    for name in values:
-        assert not told_of_gears_of_before(model_with(robot, (name,), {name: values[name]}))

@@ -259,6 +259,15 @@ def test_wrong_model_files_are_refused_with_file_and_key(content, tmp_path, case
     assert key in str(caught.value) and str(path) in str(caught.value)
 
 
+def test_a_file_whose_friction_turns_as_before_is_to_be_identified_again(content, tmp_path):
+    """The same parameters meant another torque."""
+    content = {**content, 'schema': 'hand_load/torque_model/1'}
+    (tmp_path / 'old.yaml').write_text(yaml.safe_dump(content))
+    with pytest.raises(ConfigurationError) as refused:
+        read_model(tmp_path / 'old.yaml')
+    assert 'hand_load identify' in str(refused.value) and 'schema' in str(refused.value)
+
+
 def test_a_model_file_that_is_not_there(tmp_path):
     with pytest.raises(ConfigurationError, match='model.yaml.*cannot be read'):
         read_model(tmp_path / 'model.yaml')

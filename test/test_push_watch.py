@@ -35,11 +35,11 @@ def silent(model, tmp_path_factory):
                        rounded(network_of(model.robot, size=0.0)))
 
 
-def pushed(model, stream, wrench, first=FROM, last=FROM + LASTS):
+def pushed(model, stream, wrench, first=FROM, last=FROM + LASTS, rise=0.05):
     """Return Messages with a force [N] and a moment [Nm] (6,) on the hand, in base axes."""
     out = []
     for m in stream:
-        share = np.clip(min(m.stamp - first, last - m.stamp) / 0.05, 0.0, 1.0)
+        share = np.clip(min((m.stamp - first) / rise, (last - m.stamp) / 0.05), 0.0, 1.0)
         torque = model.robot.hand_wrench_columns(m.position) @ wrench
         out.append(replace(m, effort=m.effort - share * torque))
     return out
@@ -96,7 +96,7 @@ def test_what_begins_a_contact_is_left_out_too(model, method, silent, monkeypatc
     def fresh():
         return warm(pipeline_of(model) if method == 'bayes' else pipeline_with(model, silent))
 
-    stream = pushed(model, messages(model, block(MASS), 11.5), UP)
+    stream = pushed(model, messages(model, block(MASS), 11.5), UP, rise=0.2)
     assert feed(fresh(), stream)[-1].load_id == 0
     monkeypatch.setattr(LoadRegression, 'drop_newest', lambda self, stamp: None)
     assert feed(fresh(), stream)[-1].load_id > 0, 'what comes after is another'

@@ -10,7 +10,6 @@ from hand_load_estimator.residual.tracing.finer_shape import (best_of_each, fine
                                                               searched_again)
 from hand_load_estimator.residual.tracing.hypotheses import hypotheses, of_shapes, released
 from hand_load_estimator.residual.tracing.hypothesis import searched as off_default
-from hand_load_estimator.torque.presliding import presliding_path
 
 NAME, JOINT = 'presliding_hysteresis', 1
 TRAVEL, POWER = 6e-3, 2.0
@@ -20,8 +19,7 @@ PEAK = 1.5e-3, 1.6, 0.065, 1.3, 240.0
 
 def turning(run):
     """Friction that turns over a longer way than declared, and then is at its level."""
-    way = np.full(run.robot.n, TRAVEL), np.full(run.robot.n, POWER)
-    return presliding_path(run.motion.q, run.motion.v, run.motion.dt, *way)[0] - run.x.z
+    return run.x.shown(np.arange(run.robot.n), TRAVEL, POWER) - run.x.z
 
 
 def peak(run):

@@ -23,7 +23,7 @@ def case(q, v, residual, weights):
     """Return (Blocks, what holds the EffectInput) of one joint."""
     blocks = Blocks(residual[:, None], weights[:, None], [np.zeros((len(q), 0))],
                     np.arange(0, len(q), 200), np.arange(len(q) // 200) % 5)
-    x = SimpleNamespace(q=q[:, None], v=v[:, None], sign=np.sign(v)[:, None],
+    x = SimpleNamespace(q=q[:, None], v=v[:, None], z=np.sign(v)[:, None],
                         warmth=np.zeros((len(q), 1)), shown=None)
     return blocks, SimpleNamespace(x=x, delays={})
 

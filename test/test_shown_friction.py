@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from core_helpers import four_axes
+from core_helpers import four_axes, presliding_path
 from effect_helpers import model_with
 import numpy as np
 import pytest
@@ -13,13 +13,16 @@ from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.torque.columns import motion_input, torque_columns
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
-from hand_load_estimator.torque.presliding import presliding_path, Turning
-from hand_load_estimator.torque.shown_friction import (course_behind, shown_along, ShownAlong,
-                                                       ShownStream)
+from hand_load_estimator.torque.presliding import Turning
+from hand_load_estimator.torque.shown_along import shown_along, ShownAlong
+from hand_load_estimator.torque.shown_friction import course_behind
+from hand_load_estimator.torque.shown_stream import ShownStream
 
 TRAVEL, POWER, VELOCITY = 1e-3, 2.0, 0.08
 OWN = {'travel': 3e-3, 'power': 2.0, 'stribeck_velocity': 0.08, 'exponent': 1.4,
        'velocity_range': 30.0}
+# Travels and powers over which the joints' friction turns where none of its own is given.
+WAY = np.full(4, 1e-3), np.full(4, np.inf)
 
 
 def contacts(q, v):
@@ -49,7 +52,7 @@ def seen(motion):
 
 def test_it_is_what_the_filter_makes_of_friction(swing):
     friction, v = swing.effort[:, 0], swing.v
-    shown = shown_along(*seen(swing))(0, TRAVEL, POWER, VELOCITY)
+    shown = shown_along(*seen(swing), WAY)(0, TRAVEL, POWER, VELOCITY)
     z, _ = presliding_path(swing.q, v, swing.dt, np.array([TRAVEL]), np.array([POWER]))
     plain = z[:, 0] * np.exp(-np.abs(v[:, 0]) / VELOCITY)
     late, size = slice(50, None), np.std(friction)
@@ -72,6 +75,34 @@ def test_columns_and_follower_take_the_motion_as_it_was_measured(swing):
         assert np.std(shown[late] - friction[late]) < 0.02 * np.std(friction[late])
 
 
+@pytest.mark.parametrize('peak', [(), (VELOCITY,)])
+def test_without_a_travel_of_its_own_it_turns_with_all_friction_of_the_joint(swing, peak):
+    stamps = np.arange(0.0, 4.0, 0.0002)
+    q, v = 0.02 * np.sin(15.0 * stamps)[:, None], 0.3 * np.cos(15.0 * stamps)[:, None]
+    friction, _ = presliding_path(q, v, np.full(len(q), 0.0002), WAY[0][:1], np.full(1, POWER))
+    if peak:
+        friction = friction * left(v, 0.0, *peak)
+    motion = MotionFilter(1)
+    samples = [motion.update(*row) for row in zip(stamps[::10], q[::10], v[::10], friction[::10])]
+    wanted = np.array([s.effort[0] for s in samples if s is not None])
+    own = WAY[0], np.full(4, POWER)
+    shown = shown_along(*seen(swing), own)(0, np.inf, np.inf, *peak)
+    assert np.std(shown[50:] - wanted[50:]) < 0.02 * np.std(wanted)
+
+
+@pytest.mark.parametrize('speed, begins', [(0.3, 1.0), (-0.3, -1.0), (0.01, 0.0)])
+def test_a_joint_that_is_first_seen_in_motion_slides(speed, begins):
+    t = 0.02 * np.arange(40)[:, None]
+    course = course_behind(speed * t, np.full_like(t, speed), 0.0 * t, np.full(40, 0.02))
+    motion = course, np.full(40, 0.02), 0.0 * t
+    own = np.full(1, 0.3), np.full(1, np.inf)
+    whole = shown_along(*motion, own)(0, np.inf, np.inf, VELOCITY)
+    assert whole[0] == pytest.approx(begins * np.exp(-0.3 / VELOCITY), abs=0.02)
+    stream = ShownStream(own)
+    online = [stream.at(*row, 0)(0, np.inf, np.inf, VELOCITY)[0] for row in zip(*motion)]
+    np.testing.assert_allclose(online, whole, atol=1e-12)
+
+
 def test_a_peak_that_comes_back_has_to_bend_the_contacts_again():
     # Fast, then slow within a tenth of the travel: the level is up, the contacts are not.
     v = np.r_[np.full(100, 0.5), np.full(100, 1e-3)]
@@ -79,7 +110,8 @@ def test_a_peak_that_comes_back_has_to_bend_the_contacts_again():
     q, dt = np.cumsum(v) * 0.02 - 0.03 * v, np.full(200, 0.02)
     still = np.zeros((200, 1))
     course = course_behind(q[:, None], v[:, None], still, dt)
-    shown = shown_along(course, dt, still)(0, 1e-3, np.inf, 0.02)
+    shown = shown_along(course, dt, still, (np.full(1, 1e-3), np.full(1, np.inf)))(
+        0, 1e-3, np.inf, 0.02)
     assert shown[99] < 1e-3
     assert 0.02 < shown[105] < 0.3
     assert shown[-1] > 0.6
@@ -105,24 +137,24 @@ def test_the_motion_before_a_filter_that_was_not_there(swing):
 def test_a_stream_is_as_the_whole(swing, power):
     motion = seen(swing)
     places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), power, np.array([VELOCITY, np.inf])
-    stream = ShownStream()
-    online = np.array([stream.at(*row)(*places)[0] for row in zip(*motion)])
-    np.testing.assert_allclose(online, shown_along(*motion)(*places), atol=1e-12)
+    stream = ShownStream(WAY)
+    online = np.array([stream.at(*row, 0)(*places)[0] for row in zip(*motion)])
+    np.testing.assert_allclose(online, shown_along(*motion, WAY)(*places), atol=1e-12)
     assert np.abs(online).max() > 0.5
     first = [column[0] for column in motion]
-    one = stream.at(*first)
+    one = stream.at(*first, 0)
     np.testing.assert_array_equal(one(*places), one(*places), 'asked twice it goes on once')
     stream.restart()
-    np.testing.assert_array_equal(stream.at(*first)(*places),
-                                  ShownStream().at(*first)(*places))
+    np.testing.assert_array_equal(stream.at(*first, 0)(*places),
+                                  ShownStream(WAY).at(*first, 0)(*places))
 
 
 def test_recordings_beside_one_another_are_as_each_alone(swing):
     motion = seen(swing)
     parts = [tuple(column[rows] for column in motion) for rows in (slice(90), slice(40, None))]
     places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), POWER, VELOCITY
-    each = [shown_along(*part) for part in parts]
-    together = ShownAlong(tuple(own for one in each for own in one.parts))
+    each = [shown_along(*part, WAY) for part in parts]
+    together = ShownAlong(tuple(own for one in each for own in one.parts), WAY)
     np.testing.assert_array_equal(together(*places), np.concatenate([s(*places) for s in each]))
     assert len(together(0, TRAVEL, np.inf)) == sum(len(part[0]) for part in parts)
 
@@ -148,4 +180,3 @@ def test_online_is_as_offline_and_a_file_keeps_it(name, values, tmp_path):
     x, _ = motion_input(model.robot, motion, model.presliding_distance())
     other = torque_columns(model.robot, plain.layout, x, model.mean, motion.dt) @ model.mean
     assert np.abs(other - whole).max() > 0.05
-    assert ModelFollower(plain)._shown is None

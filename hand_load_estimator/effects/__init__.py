@@ -12,7 +12,7 @@ from .learned_correction import LEARNED_POSITION_CORRECTION, LEARNED_VELOCITY_CO
 from .link_inertia import LINK_INERTIA
 from .load_change import LOAD_CHANGE
 from .load_dependent_friction import LOAD_DEPENDENT_FRICTION
-from .presliding_hysteresis import PRESLIDING_HYSTERESIS
+from .presliding_hysteresis import PRESLIDING, PRESLIDING_HYSTERESIS
 from .rotor_inertia import ROTOR_INERTIA
 from .shear_thinning_friction import SHEAR_THINNING_FRICTION
 from .stribeck_friction import STRIBECK_FRICTION
@@ -48,5 +48,5 @@ NEEDS_TEMPERATURE = frozenset(e.name for e in EFFECTS.values() if 'warmth' in e.
 DEFAULT_EFFECTS = ('link_inertia', *(e.name for e in EFFECTS.values() if e.default))
 
 __all__ = ['DEFAULT_EFFECTS', 'DESCRIBED', 'EFFECTS', 'EXTERNAL_CONTACT', 'LATE',
-           'LINK_INERTIA', 'LOAD_CHANGE', 'NEEDS_TEMPERATURE', 'Described', 'Effect',
+           'LINK_INERTIA', 'LOAD_CHANGE', 'NEEDS_TEMPERATURE', 'PRESLIDING', 'Described', 'Effect',
            'EffectInput', 'Shape']

@@ -4,7 +4,7 @@ from .effect import Effect
 
 
 def _columns(x, j, _):
-    return x.sign[:, j][..., None]
+    return x.z[:, j][..., None]
 
 
 COULOMB_FRICTION = Effect(

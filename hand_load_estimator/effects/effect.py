@@ -17,18 +17,19 @@ class EffectInput:
     """
     What the columns of an effect may depend on, (N, n) each.
 
-    q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where it
-    is not measured; z: presliding state in [-1, 1] (presliding.py). Only where an effect of the
-    model needs them: gear [Nm]: torque of links, load and what pulls on them, gear_way
-    [Nm]: how far it goes either way within the motion filter; drive [Nm]: torque of the drive;
-    rate [Nm/s]: how fast it changes, for pictures; tilt(): torque of turning gravity about
-    Robot.tilt_axes, (N, n, 2) [Nm/rad]; late(delays): torque of the drive so many seconds ago
-    less the torque now, (N, n) for a delay or delays (n,); play(j, travel, lag, pose_share,
-    impact): what a gap [rad] in the gear of joint j does to the torque of its drive (play.py),
-    (N,) [Nm], or (N, m) for arrays of m joints, gaps, lags [s], shares [-] and impacts [s];
-    shown(j, travel, power, *peak): friction of size one as the motion filter shows it
-    (shown_friction.py), (N,) or (N, m) [-], peak: of stribeck_curve.left; jerk [rad/s^3] where
-    q, v and a come through the motion filter.
+    q [rad], v [rad/s], a [rad/s^2]; warmth: joint temperature less the reference [K], 0 where
+    it is not measured; z: friction of size one as the filter shows it (shown_friction.py);
+    at_once: what z would be of contacts that turn at once, where q, v and a come through the
+    motion filter. Only where an effect of the model needs them: gear [Nm]: torque of links,
+    load and what pulls on them, gear_way [Nm]: how far it goes either way within the motion
+    filter; drive [Nm]: torque of the drive; rate [Nm/s]: how fast it changes, for pictures;
+    tilt(): torque of turning gravity about Robot.tilt_axes, (N, n, 2) [Nm/rad]; late(delays):
+    torque of the drive so many seconds ago less the torque now, (N, n) for a delay or delays
+    (n,); play(j, travel, lag, pose_share, impact): what a gap [rad] in the gear of joint j
+    does to the torque of its drive (play.py), (N,) [Nm], or (N, m) for arrays of m joints,
+    gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, power, *peak): friction of
+    size one as the motion filter shows it (shown_friction.py), (N,) or (N, m) [-], peak: of
+    stribeck_curve.left; jerk [rad/s^3] where q, v and a come through the motion filter.
     """
 
     q: np.ndarray
@@ -45,11 +46,12 @@ class EffectInput:
     play: Callable | None = None
     shown: Callable | None = None
     jerk: np.ndarray | None = None
+    at_once: np.ndarray | None = None
 
     @cached_property
     def sign(self):
-        """Smoothed sign of v (N, n), which several kinds of friction have in common."""
-        return sign_of(self.v)
+        """Friction of size one (N, n) that turns at once: smoothed, or as the filter shows it."""
+        return sign_of(self.v) if self.at_once is None else self.at_once
 
 
 def side_by_side(*columns):

@@ -17,14 +17,15 @@ def of_own_travel(x, j, shape, plain, *peak):
     x: EffectInput; peak: arguments of stribeck_curve.left behind the warmth, for friction that
     falls with speed.
     """
-    if x.shown is None:
-        return plain
-    own = np.isfinite(shape[OWN_TRAVEL.name])
-    if not np.any(own):
+    # What falls with speed has to be followed, over whatever travel; other friction is z.
+    own = np.isfinite(shape[OWN_TRAVEL.name]) | bool(peak)
+    if x.shown is None or not np.any(own):
         return plain
     joints = np.arange(x.q.shape[1])[j]
     places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), *peak
     if not np.ndim(joints):
+        return x.shown(*places)
+    if np.all(own):
         return x.shown(*places)
     out = plain.copy()
     out[:, own] = x.shown(*(np.broadcast_to(place, joints.shape)[own] for place in places))

@@ -16,7 +16,7 @@ FASTEST_PEAK = 1.0
 
 def _columns(x, j, shape):
     peak = shape['stribeck_velocity'], shape[EXPONENT.name], shape[VELOCITY_RANGE.name]
-    bump = of_own_travel(x, j, shape, x.sign[:, j] * left(x.v[:, j], x.warmth[:, j], *peak), *peak)
+    bump = of_own_travel(x, j, shape, x.z[:, j] * left(x.v[:, j], x.warmth[:, j], *peak), *peak)
     return side_by_side(bump, bump * x.warmth[:, j])
 
 

@@ -217,7 +217,7 @@ class MotionSuggester:
         for q, v, a in zip(*motion.sample(times)):
             z, doubt = path.update(q, v, dt)
             density = model.residuals.load_share * (
-                model.residuals.intensity + stuck_density(z, doubt, v, a, self._level))
+                model.residuals.intensity + stuck_density(z, doubt, v, self._level))
             columns = robot.load_regressor(q, v, a)
             matrix += columns.T @ (columns * (dt / density)[:, None])
         return matrix / trust.factor

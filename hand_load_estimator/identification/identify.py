@@ -106,7 +106,8 @@ def identify(robot, evidence, effects=None, progress=lambda text: None, drifting
     for turn in range(4):
         progress(f'identification pass {turn + 1} of 4')
         if turn in (1, 2):
-            uses = search_shapes(robot, uses, evidence, x, intensity, friction)
+            uses = search_shapes(robot, uses, evidence, x, intensity, friction,
+                                 again=turn == 2)
         system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         x, posterior = system.solve(mean, covariance, weights)

@@ -5,12 +5,17 @@ from copy import copy
 import numpy as np
 
 from ..effects import LATE
+from ..effects.effect import SLOWEST
 from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, motion_inputs,
-                              presliding_distances, presliding_powers, torque_columns)
+                              presliding_distances, presliding_powers, shown_parts,
+                              torque_columns)
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.presliding import stuck_density
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
+
+# What a joint's friction began with is forgotten where it is in doubt by less than this [-].
+FORGOTTEN = 0.1
 
 
 class System:
@@ -19,14 +24,17 @@ class System:
 
     mean (P,): parameters that tell torques to the effects that depend on them; around these the
     torque of a delay, which is a product of its share and all others, is made linear. drifting:
-    friction state and velocity (N, n) of the moments that the torques belong to.
+    friction state and velocity (N, n) of the moments that the torques belong to. parts: those of
+    another System of the same evidence, or None.
     """
 
-    def __init__(self, robot, uses, evidence, mean):
+    def __init__(self, robot, uses, evidence, mean, parts=None):
         self.robot = robot
         distance, power = presliding_distances(robot.n, uses), presliding_powers(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
-        inputs = motion_inputs(robot, [e.motion for e in evidence], distance, power)
+        motions = [e.motion for e in evidence]
+        self.parts = shown_parts(robot, motions) if parts is None else parts
+        inputs = motion_inputs(robot, motions, distance, power, self.parts)
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.load)
@@ -39,7 +47,6 @@ class System:
         self.recording = np.concatenate([
             np.full(len(e.torque), k) for k, e in zip(recording_numbers(evidence), evidence)])
         self.velocity = np.concatenate([x.v for x, _ in inputs])
-        self.acceleration = np.concatenate([x.a for x, _ in inputs])
         self.z = np.concatenate([x.z for x, _ in inputs])
         self._uses = uses
         self.drifting = self.z.copy(), self.velocity.copy()
@@ -88,9 +95,14 @@ class System:
 
     def weights(self, intensity, friction):
         """Return (N, n): dt / density, less where friction is in doubt, 0 where nothing tells."""
-        stuck = stuck_density(self.z, self.doubt, self.velocity, self.acceleration, friction)
+        stuck = stuck_density(self.z, self.doubt, self.velocity, friction)
         stuck = as_reported(self._uses, stuck, self.dt, self.owner)
         return np.where(self.tells, self.dt[:, None] / (intensity + stuck), 0.0)
+
+    def turning_weights(self, intensity):
+        """Return (N, n): dt / density where joints move that have forgotten how they began."""
+        known = (self.doubt < FORGOTTEN) & (np.abs(self.velocity) > SLOWEST) & self.tells
+        return np.where(known, self.dt[:, None] / intensity, 0.0)
 
     def solve(self, mean, covariance, weights):
         """Return the posterior mean and covariance of x (eq. 11)."""

@@ -1,56 +1,98 @@
-"""Search of the nonlinear shapes of declared effects: the grid value that fits a joint best."""
+"""Search of the nonlinear shapes of declared effects: the value that fits a joint best."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
-from ..effects import EFFECTS
+from ..effects import EFFECTS, PRESLIDING
 from ..torque.columns import effect_slices
 from .regression_system import System
 
+TRAVEL = 'presliding_distance'
+# Travels to look at around one that was found, in times it; with another power a travel is so many
+# times as long.
+AROUND, LONGER = (1.0, 0.75, 0.87, 1.15, 1.33), 1.7
+# Nats that another value than the default must gain, instead of what a Shape asks for: how
+# friction turns is looked for where it turns, and shows there.
+PRICES = {'power': 1.0}
 
-def search_shapes(robot, uses, evidence, x, intensity, friction):
-    """Return uses with each joint's shapes set to the values that fit its residual best."""
+
+def search_shapes(robot, uses, evidence, x, intensity, friction, again=False):
+    """
+    Return uses with each joint's shapes set to the values that fit its residual best.
+
+    again: of presliding travels, only those around the ones found already.
+    """
     uses = list(uses)
     # The same weights for every trial: a longer presliding travel would excuse more samples.
-    weights = System(robot, tuple(uses), evidence, x).weights(intensity, friction)
-    for name, shape in _shapes_of(uses):
+    first = System(robot, tuple(uses), evidence, x)
+    weights, turning = first.weights(intensity, friction), first.turning_weights(intensity)
+    for name, shapes in _shapes_of(uses):
+        # How friction turns shows where it does, which tells little of anything else.
+        counts = turning if name == PRESLIDING else weights
+        tried = _around(uses) if again and name == PRESLIDING else _grid(uses, name, shapes)
         best = {}
-        for value, trial, system in _trials(robot, uses, evidence, x, name, shape):
-            for j, cost in enumerate(_joint_costs(robot, trial, system, x, weights)):
-                # Twice the nats that the value must gain over the first, which is the default.
-                if j not in best or cost < best[j][0] - 2.0 * _price(shape, best[j][1]):
-                    best[j] = (cost, value)
-        uses = [replace(u, shape={**u.shape, shape.name: best[u.joint][1]})
-                if u.name == name else u for u in uses]
+        for trial, system in _systems(robot, tried, evidence, x, name, first.parts):
+            # Where nothing tells, a shape stays.
+            own = {use.joint: use for use in trial
+                   if use.name == name and counts[:, use.joint].any()}
+            for j, cost in enumerate(_joint_costs(robot, trial, system, x, counts)):
+                if j in own:
+                    # Twice the nats that the values must gain over defaults.
+                    cost += 2.0 * sum(_price(shape, own[j].shape) for shape in shapes)
+                    best[j] = min(best.get(j, (np.inf,)), (cost, own[j]), key=lambda one: one[0])
+        uses = [best[use.joint][1] if use.name == name and use.joint in best else use
+                for use in uses]
     return tuple(uses)
 
 
-def _trials(robot, uses, evidence, x, name, shape):
-    """Yield (value, uses with it on all joints, their System) for the grid of a Shape."""
-    alone = name != 'presliding_hysteresis' and EFFECTS[name].needs <= {'warmth'}
-    system = System(robot, tuple(uses), evidence, x) if alone else None
-    for value in shape.grid:
-        trial = tuple(replace(u, shape={**u.shape, shape.name: value})
-                      if u.name == name else u for u in uses)
-        if not alone:
-            system = System(robot, trial, evidence, x)
-        for use, where in effect_slices(robot.n, trial) if alone else ():
-            if use.name == name:
-                system.reshape(use, where)
-        yield value, trial, system
+def _grid(uses, name, shapes):
+    """Yield uses with each combination of the values of an effect's Shapes, on all joints."""
+    for values in product(*(shape.grid for shape in shapes)):
+        new = {shape.name: value for shape, value in zip(shapes, values)}
+        yield tuple(replace(u, shape={**u.shape, **new}) if u.name == name else u for u in uses)
 
 
-def _price(shape, value):
-    """Return the nats that another value of a Shape must gain beyond this one."""
-    return shape.gain if value == shape.default else 0.0
+def _around(uses):
+    """Yield uses with travels around their own, and around those that go with another power."""
+    for other, factor in product((False, True), AROUND):
+        yield tuple(replace(u, shape=_near(u, other, factor)) if u.name == PRESLIDING else u
+                    for u in uses)
+
+
+def _near(use, other, factor):
+    travel, power = factor * use.shape[TRAVEL], use.shape['power']
+    plain, bent = next(s.grid for s in use.effect.shapes if s.name == 'power')
+    if other:
+        power, travel = (bent, travel * LONGER) if power == plain else (plain, travel / LONGER)
+    return {**use.shape, TRAVEL: travel, 'power': power}
+
+
+def _systems(robot, tried, evidence, x, name, parts):
+    """Yield (uses, their System) of tuples of uses that differ in an effect's shapes."""
+    alone, system = name != PRESLIDING and EFFECTS[name].needs <= {'warmth'}, None
+    for trial in tried:
+        if system is None or not alone:
+            system = System(robot, trial, evidence, x, parts)
+        else:
+            for use, where in effect_slices(robot.n, trial):
+                if use.name == name:
+                    system.reshape(use, where)
+        yield trial, system
+
+
+def _price(shape, values):
+    """Return the nats that a value of a Shape must gain beyond the default."""
+    return 0.0 if values[shape.name] == shape.default else PRICES.get(shape.name, shape.gain)
 
 
 def _shapes_of(uses):
-    """Return the different (effect name, Shape) pairs, presliding first: it changes z."""
-    seen = {(u.name, s.name): (u.name, s)
-            for u in uses for s in u.effect.shapes if len(s.grid) > 1}
-    return sorted(seen.values(), key=lambda pair: pair[0] != 'presliding_hysteresis')
+    """Return (effect name, Shapes to search together) pairs, presliding first: it changes z."""
+    seen = {(u.name, s.name): s for u in uses for s in u.effect.shapes if len(s.grid) > 1}
+    turning = tuple(s for (name, _), s in seen.items() if name == PRESLIDING)
+    return [*([(PRESLIDING, turning)] if turning else []),
+            *((name, (s,)) for (name, _), s in seen.items() if name != PRESLIDING)]
 
 
 def _joint_costs(robot, uses, system, x, weights):

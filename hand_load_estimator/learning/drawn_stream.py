@@ -17,7 +17,7 @@ def drawn_stream(robot, sequence):
         getattr(sequence, name).astype(float)
         for name in ('difference', 'columns', 'density', 'z', 'doubt'))
     temperature = sequence.warmth + robot.reference_temperature
-    stuck = stuck_variance(z, doubt, v, a, sequence.level)
+    stuck = stuck_variance(z, doubt, v, sequence.level)
     scale = np.ones(columns.shape[2] - 10)
     for k in range(len(q)):
         sample = MotionSample((k + 1) * DT, DT, q[k], v[k], a[k], np.full(robot.n, np.nan),

@@ -16,18 +16,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..course import SHARES
 from ..effects import EffectInput
 from ..identification.load_agreement import share_of, slices_of, Window, WINDOWS
 from ..motion import BANDWIDTH, filter_step
-from ..torque.columns import effect_columns, torque_columns
+from ..torque.columns import torque_columns
 from ..torque.misread_weight import misread_columns
-from ..torque.presliding import presliding_path, stuck_density
+from ..torque.presliding import stuck_density
+from ..torque.shown_along import ShownAlong, ShownPart
+from ..torque.start_doubt import start_doubt_along
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
 from .random_motions import random_motion, random_waves
 from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_state,
                          friction_torque)
 
+PLAIN = frozenset({'travel', 'power', 'velocity_range'})
 RATE = 100.0      # [Hz] of the simulated messages
 EVERY = 2         # messages per step of the estimator
 DURATION = 10.0   # [s]
@@ -86,14 +90,16 @@ class SequenceMaker:
         rng = np.random.default_rng(seed)
         model, actual = _vary(rng, self._model)
         robot, times = model.robot, np.arange(int(DURATION * RATE)) / RATE
-        q, v, a, z, doubt, torque = _seen(rng, model, actual, (
+        q, v, a, course, torque = _seen(rng, model, actual, (
             random_waves(rng, robot, times), random_motion(rng, robot, times)))
         warmth, measured = _warmths(rng, model, len(q))
-        x = EffectInput(q, v, a, np.nan_to_num(measured), z)
         dt = np.full(len(q), EVERY / RATE)
+        x, doubt = _inputs(model, (q, v, a), course, np.nan_to_num(measured), dt)
+        z = x.z
         columns = torque_columns(robot, model.layout, x, model.mean, dt)
         load_columns = robot.load_columns(columns[:, :, :10 * robot.n])
-        error = torque - _sliding_friction(model, x) + _temperature_error(model, x, warmth)
+        error = torque - _sliding_friction(model, x, columns) \
+            + _temperature_error(model, x, columns, warmth)
         error += self._model_error(rng, actual, columns, x)
         load = random_load(rng, robot)
         misread = 1.0 + robot.effort.torque_constants_std * rng.normal(size=robot.n)
@@ -111,7 +117,7 @@ class SequenceMaker:
         nuisances = nuisance_columns(columns, self._uncertain,
                                      drift_std(model, np.isfinite(measured[0])), z, v)
         level, intensity = model.friction_level(), model.residuals.intensity
-        stuck = stuck_density(z, doubt, v, a, level)
+        stuck = stuck_density(z, doubt, v, level)
         share = _share(Window(*(part[before] for part in (
             load_columns, nuisances, difference, dt[:, None] / (intensity + stuck)))), dt[before])
         moving = np.flatnonzero((np.abs(v[late]) > 0.05).any(axis=1))
@@ -154,9 +160,9 @@ def _share(run, dt):
 
 def _seen(rng, model, actual, motions):
     """
-    Return q, v, a, z, doubt and torque of friction and noise, (N, n) each, through the filter.
+    Return q, v, a, course (N, 2, STEPS, n) and torque of friction and noise, through the filter.
 
-    Of several motions (q, v, a) of the same arm, one after the other.
+    Of several motions (q, v, a) of the same arm, one after the other; (N, n) each.
     """
     count = len(motions[0][0])
     q, v = (np.concatenate([motion[k] for motion in motions]) for k in (0, 1))
@@ -166,10 +172,43 @@ def _seen(rng, model, actual, motions):
     for first in range(0, len(q), count):
         rows = slice(first, first + count)
         *motion, filtered = _through_filter(q[rows], v[rows], torque[rows])
-        parts.append((*motion, *presliding_path(
-            motion[0], motion[1], np.full(len(filtered), EVERY / RATE),
-            model.presliding_distance(), model.presliding_power()), filtered))
+        parts.append((*motion, _course(q[rows], v[rows], len(filtered)), filtered))
     return tuple(np.concatenate(part) for part in zip(*parts))
+
+
+def _course(q, v, count):
+    """Return the course (count, 2, STEPS, n) of messages q, v (N, n), as MeasuredCourse has it."""
+    at = (EVERY * np.arange(count)[:, None] - 1 + EVERY * SHARES).clip(0.0)
+    before = np.minimum(at.astype(int), len(q) - 2)
+    share = (at - before)[..., None]
+    return np.stack([part[before] + share * (part[before + 1] - part[before])
+                     for part in (q, v)], axis=1)
+
+
+def _remembered(shown):
+    """Return a ShownAlong that does nothing twice."""
+    known = {}
+
+    def at(*places):
+        key = tuple(np.asarray(place).tobytes() for place in places)
+        if key not in known:
+            known[key] = shown(*places)
+        return known[key]
+    return at
+
+
+def _inputs(model, motion, course, warmth, dt):
+    """Return (EffectInput, doubt (N, n)) along both motions; warmth (N, n) [K], dt (N,) [s]."""
+    n, half = model.robot.n, len(dt) // 2
+    own = model.presliding_distance(), model.presliding_power()
+    parts = tuple(ShownPart(course[rows], warmth[rows], dt[rows], np.full(half, EVERY))
+                  for rows in (slice(half), slice(half, None)))
+    shown = ShownAlong(parts, own)
+    x = EffectInput(*motion, warmth, shown.z, shown=_remembered(shown),
+                    at_once=np.concatenate([part.at_once for part in parts]))
+    q, v = (part.reshape(2, half, n) for part in motion[:2])
+    return x, np.concatenate([start_doubt_along(part.moved, *each, part.dt, own[0])
+                              for part, *each in zip(parts, q, v)])
 
 
 def _vary(rng, model):
@@ -186,7 +225,9 @@ def _vary(rng, model):
     for use, where in model.slices():
         if use.name != 'torque_offset':
             mean[where] *= size[use.joint]
-        shape = dict(use.shape)
+        # Draws have one travel for all of a joint's friction, and a peak's velocity at any warmth.
+        shape = {name: np.inf if name in PLAIN and use.name == 'stribeck_friction' else value
+                 for name, value in use.shape.items()}
         if 'presliding_distance' in shape:
             shape['presliding_distance'] *= travel[use.joint]
         uses.append(replace(use, shape=shape))
@@ -225,9 +266,10 @@ def _friction_and_noise(rng, model, actual, q, v):
     truth = draw_friction(
         rng, _values(model, 'coulomb_friction'), _values(model, 'stribeck_friction'),
         _values(model, 'presliding_hysteresis'), _values(model, 'viscous_friction'),
-        _values(model, 'stribeck_friction', shape='stribeck_velocity'),
-        model.presliding_distance())
-    friction = friction_torque(friction_state(rng, q, v, truth), v, truth)
+        [_values(model, 'stribeck_friction', shape=figure)
+         for figure in ('stribeck_velocity', 'exponent')],
+        (model.presliding_distance(), model.presliding_power()))
+    friction = friction_torque(friction_state(rng, q, v, 1.0 / RATE, truth), v, truth)
     white = rng.uniform(0.3, 1.0, model.robot.n) * np.minimum(
         actual.rmse ** 2 / NOISE_BANDWIDTH, actual.intensity)
     # The measured density is the largest over block lengths and holds what disturbances add.
@@ -236,26 +278,29 @@ def _friction_and_noise(rng, model, actual, q, v):
     return friction + noise + coloured_noise(rng, len(q), slow, 1.0 / RATE)
 
 
-def _sliding_friction(model, x):
+def _sliding_friction(model, x, columns):
     """Return (N, n): what the model subtracts for the friction that draw_friction varies."""
-    cold = replace(x, warmth=np.zeros_like(x.warmth))
-    out = np.zeros_like(x.q)
+    mean = np.zeros(len(model.mean))
     for use, where in model.slices():
         if use.name in ('coulomb_friction', 'stribeck_friction', 'viscous_friction',
                         'presliding_hysteresis'):
-            out[:, use.joint] += effect_columns(cold, use) @ model.mean[where]
-    return out
+            mean[where] = model.mean[where]
+    return _columns_at(model, x, columns, np.zeros_like(x.warmth)) @ mean
 
 
-def _temperature_error(model, x, warmth):
+def _temperature_error(model, x, columns, warmth):
     """Return (N, n): effects at the true warmth less effects at the measured one."""
-    true = replace(x, warmth=warmth)
-    out = np.zeros_like(x.q)
-    for use, where in model.slices():
-        if use.effect.needs - {'warmth'}:
-            continue
-        columns = effect_columns(true, use) - effect_columns(x, use)
-        out[:, use.joint] += columns @ model.mean[where]
+    return (_columns_at(model, x, columns, warmth) - columns) @ model.mean
+
+
+def _columns_at(model, x, columns, warmth):
+    """
+    Return columns Y (N, n, P) of an EffectInput as they are at another warmth (N, n) [K].
+
+    But for a Stribeck peak's velocity, which stays as it was.
+    """
+    out = columns.copy()
+    model.layout.fill(out, replace(x, warmth=warmth))
     return out
 
 

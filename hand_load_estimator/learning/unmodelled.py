@@ -12,7 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..effects.smooth_sign import sign_of
-from ..torque.presliding import REST_SPEED
+from ..effects.stribeck_curve import left
+from ..torque.presliding import REST_SPEED, REST_TIME
+
+# How far identified arms are off: their travel (of its logarithm), Dahl's exponent, and what of
+# the friction level, on the way between two levels, no such curve has. Together they leave a few
+# hundredths of the level there, as simulated development arms do.
+TRAVEL, BEND, BESIDE = 0.1, 0.08, 0.03
+# Dahl's exponent of 1 has another closed form: it is drawn as one that is hardly less.
+STEEPEST = 0.95
 
 
 @dataclass(frozen=True)
@@ -20,10 +28,11 @@ class FrictionTruth:
     """
     True friction of one sequence, (n,) each.
 
-    coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns over the
-    presliding travel; viscous [Nm s/rad]; stribeck_velocity [rad/s]; distance [rad] of
-    presliding; bend: exponent of the approach to the level (1 is Dahl's, 0 elastoplastic); start:
-    friction state at rest, beyond 1 where static friction exceeds sliding.
+    coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns more than
+    all of it does; viscous [Nm s/rad]; stribeck_velocity [rad/s] and stribeck_exponent [-];
+    distance [rad] of presliding; bend: exponent of the approach to the level (1 is Dahl's, 0
+    elastoplastic); beside: share of the level that is on the way between two levels, beside that;
+    start: friction state at rest, beyond 1 where static friction exceeds sliding.
     """
 
     coulomb: np.ndarray
@@ -31,55 +40,62 @@ class FrictionTruth:
     turning: np.ndarray
     viscous: np.ndarray
     stribeck_velocity: np.ndarray
+    stribeck_exponent: np.ndarray
     distance: np.ndarray
     bend: np.ndarray
+    beside: np.ndarray
     start: np.ndarray
 
 
-def draw_friction(rng, coulomb, breakaway, turning, viscous, velocity, distance):
-    """Return a FrictionTruth around identified values (n,) each."""
-    n = len(coulomb)
+def draw_friction(rng, coulomb, breakaway, turning, viscous, peak, way):
+    """
+    Return a FrictionTruth around identified values (n,) each.
+
+    peak: Stribeck velocity and exponent; way: travel [rad] and power (presliding.Turning).
+    """
+    n, (velocity, exponent), (distance, power) = len(coulomb), peak, way
 
     def near(value, spread):
         return value * np.exp(rng.normal(0.0, spread, n))
 
     # Coulomb and viscous levels are varied by the model's measured drift (sequences.py).
     return FrictionTruth(coulomb, near(breakaway, 0.15), near(turning, 0.1),
-                         viscous, near(velocity, 0.2), near(distance, 0.5),
-                         rng.uniform(0.0, 0.9, n), rng.uniform(-1.2, 1.2, n))
+                         viscous, near(velocity, 0.2), exponent, near(distance, TRAVEL),
+                         np.clip(rng.normal(1.0 - 1.0 / power, BEND), 0.0, STEEPEST),
+                         rng.normal(0.0, BESIDE, n), rng.uniform(-1.2, 1.2, n))
 
 
-def friction_state(rng, q, v, truth):
+def friction_state(rng, q, v, dt, truth):
     """
     Return z (N, n): the friction state along q (N, n), let go a little whenever a joint rests.
 
-    With w = 1 - z sign, dw = -w^bend |dq| / s has the closed form used here for any bend < 1.
+    v (N, n) [rad/s]; dt [s] of a row. With w = 1 - z sign, dw = -w^bend |dq| / s has the closed
+    form used here for any bend < 1.
 
-    While it rests the contacts relax towards a random value (creep, a brake, a drive's dither).
+    Once it rests the contacts relax towards a random value (creep, a brake, a drive's dither).
     """
     z, stiff = np.empty_like(q), 1.0 - truth.bend
-    state, resting = truth.start.copy(), np.zeros(q.shape[1], dtype=bool)
+    state, rested = truth.start.copy(), np.zeros(q.shape[1])
     for k in range(len(q)):
         step = q[k] - q[k - 1] if k else np.zeros(q.shape[1])
         sign = np.sign(step)
         gap = np.maximum(1.0 - state * sign, 0.0) ** stiff - stiff * np.abs(step) / truth.distance
         state = np.where(sign == 0.0, state, sign * (1.0 - np.maximum(gap, 0.0) ** (1.0 / stiff)))
-        rest = np.abs(v[k]) < REST_SPEED
-        if np.any(came := rest & ~resting):
+        before, rested = rested, np.where(np.abs(v[k]) < REST_SPEED, rested + dt, 0.0)
+        if np.any(came := (rested > REST_TIME) & (before <= REST_TIME)):
             relaxed = rng.uniform(-1.1, 1.1, len(state))
             keep = rng.uniform(0.0, 1.0, len(state))
             state = np.where(came, keep * state + (1.0 - keep) * relaxed, state)
-        resting = rest
         z[k] = state
     return z
 
 
 def friction_torque(z, v, truth):
     """Return the true friction (N, n) [Nm] at the reference temperature."""
-    fade = np.exp(-np.abs(v) / truth.stribeck_velocity)
-    sign = sign_of(v)
-    sliding = sign * (truth.coulomb + truth.breakaway * fade) + truth.viscous * v
-    return sliding + truth.turning * (z - sign)
+    fade = left(v, 0.0, truth.stribeck_velocity, truth.stribeck_exponent)
+    level = truth.coulomb + truth.breakaway * fade
+    turned = z + truth.beside * np.maximum(1.0 - z * z, 0.0)
+    return turned * level + truth.viscous * v + truth.turning * (z - sign_of(v))
 
 
 def smooth_curve(rng, x, scale):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import EFFECTS, LATE, LINK_INERTIA
+from ..effects import EFFECTS, LATE, LINK_INERTIA, PRESLIDING
 from ..effects.knee import KNEE
 from .change_of import change_covariance
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
@@ -273,14 +273,16 @@ def _of_effect(model, better, hypothesis, searched):
     if hypothesis.name != LATE:
         variance = variance + np.diag(searched.of_parameters)
     std = np.sqrt(variance)
-    out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(effect.parameters)}
+    # Of presliding the travel tells; its level is what else turns, hardly anything.
+    names = () if hypothesis.name == PRESLIDING else effect.parameters
+    out = {name: (mean[k], std[k], unit) for k, (name, unit) in enumerate(names)}
     # A share of another delay, a peak at another velocity is no change of the old one.
     if old is not None and old[0].formula == use.formula:
         places = (np.arange(part.start, part.stop) for part in (old[1], where))
         of_change = np.diag(change_covariance(model, better, *places)) + variance - np.diag(
             covariance)
         out |= {f'change_of_{name}': (mean[k] - model.mean[old[1]][k], np.sqrt(of_change[k]), unit)
-                for k, (name, unit) in enumerate(effect.parameters)}
+                for k, (name, unit) in enumerate(names)}
     if effect.derived:
         # What a period does to sine and cosine turns them, and leaves their amplitude.
         out |= _derived(effect, use.shape, mean, covariance)

@@ -15,9 +15,11 @@ from ..effects.knee import KNEE
 from .lateness import lateness
 from .link_pull import link_pull
 from .play import PlayAlong
-from .presliding import presliding_paths
-from .shown_friction import course_of, shown_along
+from .shown_along import ShownAlong, ShownPart
+from .shown_friction import course_of
 from .shown_links import shown_links_and_way
+from .start_doubt import start_doubt_along
+
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
 NO_PRESLIDING = 1e-4
@@ -285,21 +287,35 @@ def motion_input(robot, motion, distance, power=None):
     """
     Return (EffectInput, doubt (N, n)) along a Motion.
 
-    distance (n,) [rad], power (n,): of presliding.PreslidingState.
+    distance (n,) [rad], power (n,): of presliding.Turning, infinite without any.
     """
     return motion_inputs(robot, [motion], distance, power)[0]
 
 
-def motion_inputs(robot, motions, distance, power=None):
-    """Return [(EffectInput, doubt (N, n))] of motion_input for several Motions at once."""
-    paths = presliding_paths([(m.q, m.v, m.dt) for m in motions], distance, power)
-    return [(_input(robot, motion, z), doubt) for motion, (z, doubt) in zip(motions, paths)]
+def shown_parts(robot, motions):
+    """Return what motion_inputs knows of Motions whatever friction's travel is: ShownParts."""
+    return tuple(ShownPart(course_of(m), warmth_of(robot, m.temperature), m.dt,
+                           np.zeros(len(m.dt)) if m.course is None else m.messages)
+                 for m in motions)
 
 
-def _input(robot, motion, z):
-    warmth = warmth_of(robot, motion.temperature)
-    shown = shown_along(course_of(motion), motion.dt, warmth)
-    return EffectInput(motion.q, motion.v, motion.a, warmth, z, shown=shown, jerk=motion.jerk)
+def motion_inputs(robot, motions, distance, power=None, parts=None):
+    """
+    Return [(EffectInput, doubt (N, n))] of motion_input for several Motions at once.
+
+    parts: shown_parts of these, where they are known.
+    """
+    own = np.asarray(distance, dtype=float), (
+        np.full(robot.n, np.inf) if power is None else np.asarray(power, dtype=float))
+    parts = shown_parts(robot, motions) if parts is None else parts
+    return [(_input(m, part, own), start_doubt_along(part.moved, m.q, m.v, m.dt, own[0]))
+            for m, part in zip(motions, parts)]
+
+
+def _input(motion, part, own):
+    shown = ShownAlong((part,), own)
+    return EffectInput(motion.q, motion.v, motion.a, part.warmth, shown.z, shown=shown,
+                       jerk=motion.jerk, at_once=part.at_once)
 
 
 def real_torque(robot, q, effort):

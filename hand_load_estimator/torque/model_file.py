@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 
 from ..effects import EFFECTS
+from ..errors import ConfigurationError
 from ..files.configuration import Section, read_yaml
 from ..files.recording_mark import RecordingMark
 from ..files.whole_file import whole_file
@@ -21,7 +22,10 @@ from ..robot import robot_from_content
 from ..torque_model import Residuals, TorqueModel
 from .columns import EffectUse
 
-SCHEMA = 'hand_load/torque_model/1'
+# Friction turns along the motion as it was measured.
+SCHEMA = 'hand_load/torque_model/2'
+# Before it turned along the filtered one: the same parameters meant another torque.
+OLD_SCHEMA = 'hand_load/torque_model/1'
 # Shapes that files from before they were there have at their defaults.
 _NEWER = frozenset({'impact', 'exponent'})
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
@@ -144,6 +148,10 @@ def model_digest(model):
 def read_model(path):
     """Return the TorqueModel of a file; ConfigurationError says what is wrong with it."""
     section = Section(read_yaml(path), path)
+    if section.get('schema', SCHEMA) == OLD_SCHEMA:
+        raise ConfigurationError(
+            f'{path}: schema', 'is of an earlier version, whose friction turned in another way',
+            OLD_SCHEMA, SCHEMA, 'identify it again from its recordings (hand_load identify)')
     section.text('schema', (SCHEMA,))
     robot = robot_from_content(section.get('robot', 'the robot file\'s content'),
                                f'{path}: robot')

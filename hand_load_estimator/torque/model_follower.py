@@ -13,9 +13,11 @@ from .load_through_effects import gear_with, load_through_effects
 from .misread_weight import misread_columns, misread_directions
 from .noise import SampleNoise
 from .play import PlayState
-from .presliding import STUCK_TIME, PreslidingState, stuck_variance
-from .shown_friction import course_of, ShownStream
+from .presliding import STUCK_TIME, stuck_variance
+from .shown_friction import course_of
+from .shown_stream import ShownStream
 from .sliding import surely_slides
+from .start_doubt import StartDoubt
 
 
 @dataclass(frozen=True)
@@ -56,10 +58,9 @@ class ModelFollower:
 
     def __init__(self, model, directions=12, seed=0, measured=True):
         self.model = model
-        self._path = PreslidingState(model.presliding_distance(),
-                                     model.presliding_power())
-        self._shown = ShownStream() if any(
-            np.isfinite(use.shape.get('travel', np.inf)) for use in model.uses) else None
+        distance = model.presliding_distance()
+        self._shown = ShownStream((distance, model.presliding_power()))
+        self._start = StartDoubt(distance)
         self._friction = model.held_friction()
         # Whatever varies there is noise, at rest too.
         self._frictionless = self._friction == 0.0
@@ -89,11 +90,10 @@ class ModelFollower:
 
     def restart(self):
         """Forget the path, as after a gap in the data."""
-        self._path.restart()
+        self._shown.restart()
+        self._start.restart()
         if self._noise is not None:
             self._noise.restart()
-        if self._shown is not None:
-            self._shown.restart()
         self._forget_torques()
 
     def _forget_torques(self):
@@ -167,11 +167,13 @@ class ModelFollower:
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
         robot = self.model.robot
-        z, doubt = self._path.update(sample.q, sample.v, sample.dt)
         warmth = warmth_of(robot, sample.temperature)
-        shown = self._shown and self._shown.at(course_of(sample), sample.dt, warmth)
+        shown = self._shown.at(course_of(sample), sample.dt, warmth, sample.messages)
+        z, at_once = self._shown.z, self._shown.at_once
+        doubt = self._start.update(self._shown.moved, sample.q, sample.v, sample.dt)
         x = EffectInput(
-            *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), shown=shown,
+            *(s[None] for s in (sample.q, sample.v, sample.a, warmth, z)), at_once=at_once[None],
+            shown=shown,
             jerk=None if sample.jerk is None else sample.jerk[None])
         believed, gear = self._gear(x)
         columns = self._columns(x, sample.dt, believed)
@@ -190,7 +192,7 @@ class ModelFollower:
             nuisance_columns(told[None], self._uncertain, self._drift, x.z, x.v)[0]], axis=1)
         # What friction may be off by at a reversal grows with it.
         level = self._friction + self._gear_friction * np.abs(gear[0])
-        stuck = stuck_variance(z, doubt, sample.v, sample.a, level)
+        stuck = stuck_variance(z, doubt, sample.v, level)
         stuck = stuck + self._late_doubt.change(stuck[:, None], sample.dt)[:, 0]
         # Identification measured the residual's density; sampled more rarely it has more.
         stated = density = self.model.residuals.load_intensity

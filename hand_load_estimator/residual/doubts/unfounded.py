@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from ...effects import EFFECTS, LATE
+from ...effects import EFFECTS, LATE, PRESLIDING
 from ..add import perhaps_too
 from ..change_of import change_covariance
 from ..diagnosis import CONFIRMED, SUSPECTED, UNKNOWN
@@ -133,7 +133,8 @@ def unsure_in(model, better, trace):
     found = {}
     for step in trace.steps:
         chosen, joints = step.chosen, model.robot.joints
-        if chosen.name in (UNKNOWN, 'base_tilt', LATE) or chosen.common:
+        # Of presliding the travel is new, which is no figure of these.
+        if chosen.name in (UNKNOWN, 'base_tilt', LATE, PRESLIDING) or chosen.common:
             continue
         found[chosen.name, tuple(joints[j] for j in chosen.joints)] = tuple(
             joints[h.joint] for h, _ in chosen.parts
@@ -218,8 +219,10 @@ def _elsewhere(finding, none):
 
 
 def _faint(model, better, trace, chosen):
-    # A delay moves all that its joint does, not only what the old model knew of.
-    if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm or chosen.name == LATE:
+    # A delay moves all that its joint does, not only what the old model knew of, and of presliding
+    # the travel is new.
+    if chosen.name not in EFFECTS or EFFECTS[chosen.name].whole_arm \
+            or chosen.name in (LATE, PRESLIDING):
         return False
     old, new = ({(use.name, use.joint): (use.formula, m.mean[where])
                  for use, where in m.slices()} for m in (model, better))

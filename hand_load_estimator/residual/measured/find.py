@@ -14,8 +14,8 @@ from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_colum
 from ...torque.filtered_noise import noise_floor, white_density
 from ...torque.lateness import as_reported, change_when_late, lateness
 from ...torque.play import PlayAlong
-from ...torque.presliding import presliding_states, stuck_density
-from ...torque.shown_friction import ShownAlong
+from ...torque.presliding import stuck_density
+from ...torque.shown_along import ShownAlong
 from ...torque.sliding import surely_slides
 from ...torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
@@ -109,8 +109,8 @@ class Residual:
         n = self.residual.shape[1]
         if not ways:
             return
-        states = np.concatenate(presliding_states(
-            [self.x.q[self.owner == k] for k in np.unique(self.owner)], *np.array(ways).T))
+        states = self.x.shown(np.tile(np.arange(n), len(ways)),
+                              *np.repeat(np.array(ways).T, n, axis=1))
         self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
 
     def blocks(self, root=None):
@@ -175,7 +175,8 @@ def _joined_input(parts):
                                        parts[0].play.usual)
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
-        play=play, tilt=tilt, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts)))
+        play=play, tilt=tilt, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts),
+                                               parts[0].shown.own))
 
 
 def _doubt(model, root, columns, x, temperature):
@@ -203,11 +204,12 @@ def _of_recording(model, root, evidence, given, compared):
     stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
     sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
-    stuck = stuck_density(x.z, doubt, x.v, x.a, level)
+    stuck = stuck_density(x.z, doubt, x.v, level)
     density = sliding + as_reported(model.uses, stuck, motion.dt, np.zeros(len(motion.dt)))
     tells = evidence.tells
     known = (doubt < 0.1) & (np.abs(x.v) > SLOWEST) & tells
-    # Within the filter's memory of a reversal the sign of friction is smeared, which no effect is.
+    # Within the filter's memory of a reversal mostly how friction turns shows, of which no formula
+    # is exact: what is left of it is no other effect.
     weights = np.where(smeared(x.v, x.a) | ~tells, 0.0, motion.dt[:, None] / density)
     moving = known & (np.abs(x.z) > 0.9)
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,

@@ -13,7 +13,7 @@ SIGMAS = 3.0
 # than ACTS nats; there are at least so many of them, and it gains so many nats in all.
 CONSISTENT, ACTS, FEWEST, PLENTY = 0.8, 1.0, 4, 100.0
 # Or so many blocks gain PLENTY each, and all that others lose is less than this share of it.
-EACH, LOST = 3, 0.01
+EACH, LOST = 3, 0.02
 # Of two that nothing tells apart the simpler is taken if it gains at least this share.
 EQUAL = 0.99
 

@@ -87,7 +87,9 @@ def _seen(model, effect, j):
 def _of_effect(model, residual, blocks, effect, j):
     scale = EFFECT_FACTOR * effect.std(model.robot.limits.torque[j])
     if effect.name == 'presliding_hysteresis':
-        yield from _presliding(model, residual, j, scale)
+        # What turns in another way is the joint's Coulomb friction.
+        level = EFFECT_FACTOR * EFFECTS['coulomb_friction'].std(model.robot.limits.torque[j])
+        yield from _presliding(model, residual, j, level)
         return
     found = _shapes(model, effect, residual, blocks, j)
     columns_of = _columns(model, effect, residual.x, j, [shape for shape, _ in found])
@@ -170,7 +172,7 @@ def _presliding(model, residual, j, scale):
     """Yield hypotheses of another travel: the change of the friction state times a level."""
     now, bent = model.presliding_distance()[j], model.presliding_power()[j]
     for power, distance in product(PRESLIDING_POWERS, PRESLIDING_DISTANCES):
-        if abs(np.log(distance / now)) < 0.3 and power == bent:
+        if abs(np.log(distance / now)) < 0.3 and np.isfinite(power) == np.isfinite(bent):
             continue
         yield Hypothesis('presliding_hysteresis', j,
                          {j: _turning(residual, j, distance, power) * scale}, scale,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...effects import EFFECTS, LATE
+from ...effects import EFFECTS, LATE, PRESLIDING
 from ...effects.own_travel import OWN_TRAVEL
 from ..doubts.impossible import SURE
 from ..doubts.wrong_joint import LEAST_GAIN, MOST_GAIN
@@ -102,6 +102,9 @@ def physical(hypothesis, score, declared):
     if hypothesis.name == 'torque_scale':
         gain = 1.0 + theta[0] * hypothesis.scale[0] + (0.0 if declared is None else declared[0][0])
         return bool(LEAST_GAIN < gain < MOST_GAIN)
+    if hypothesis.name == PRESLIDING:
+        # What turns in another way is a share of the joint's friction.
+        return bool(theta[0] > SURE * std[0])
     if declared is not None:
         total, doubt = (theta + declared[0] / hypothesis.scale,
                         np.hypot(std, declared[1] / hypothesis.scale))

@@ -1,0 +1,156 @@
+"""Friction as the motion filter shows it (shown_friction.py), along recordings."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..course import Ways
+from ..effects.stribeck_curve import left
+from .lock_step import lock_step
+from .shown_filter import filtered_along
+from .shown_friction import Apart, begun, directions
+
+# So many samples are prepared at once: all of a long recording would fill the memory.
+ROWS = 512
+
+
+@dataclass(frozen=True, eq=False)
+class ShownPart:
+    """A recording: course (N, 2, STEPS, n), warmth (N, n) [K], dt [s] and messages (N,)."""
+
+    course: np.ndarray
+    warmth: np.ndarray
+    dt: np.ndarray
+    messages: np.ndarray
+
+    @cached_property
+    def moved(self):
+        """Ways (N, STEPS, n) [rad]."""
+        ways = Ways(self.course[0, 0, 0])
+        return np.array([ways.along(q, *row) for q, *row in zip(
+            self.course[:, 0], self.dt, self.messages)])
+
+    @cached_property
+    def speeds(self):
+        """Speeds (N, STEPS + 1, n) [rad/s] before and within each sample."""
+        v = self.course[:, 1]
+        return np.hstack([np.concatenate([v[:1, :1], v[:-1, -1:]]), v])
+
+    @cached_property
+    def at_once(self):
+        """What friction of size one (N, n) would be of contacts that turn at once."""
+        first, out = begun(self.speeds[0, 1:]), []
+        for way in self.moved:
+            out.append(directions(first, way))
+            first = out[-1][-1]
+        return self.filtered(np.array(out))
+
+    def filtered(self, friction):
+        """Return what the filter makes of friction (N, STEPS + 1, K), (N, K)."""
+        stages = np.repeat(friction[:1, :1], 3, axis=1)
+        return np.concatenate(list(self._stages(stages, friction)))
+
+    def _stages(self, stages, friction):
+        for start in range(0, len(friction), ROWS):
+            some = slice(start, start + ROWS)
+            found = filtered_along(stages, friction[some, None], self.dt[some, None])
+            stages = found[-1]
+            yield found[:, 0, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class ShownAlong:
+    """
+    shown(joints, travels, powers, *peak) of EffectInput along ShownParts, one after the other.
+
+    own: travels [rad] and powers [-] (n,) over which each joint's friction turns; an infinite
+    travel is that one. Arguments of a call as of Apart for (N, K), or plain numbers for (N,).
+    """
+
+    parts: tuple
+    own: tuple
+
+    def __call__(self, *places):
+        joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
+        apart = np.isfinite(travels)
+        found = np.empty((sum(len(part.dt) for part in self.parts), len(joints)))
+        if apart.any():
+            found[:, apart] = self._follow(Apart(
+                joints[apart], travels[apart], powers[apart],
+                tuple(figure[apart] for figure in peak)))
+        if not apart.all():
+            found[:, ~apart] = self._peaks(joints[~apart], [figure[~apart] for figure in peak])
+        return found if any(map(np.ndim, places)) else found[:, 0]
+
+    @cached_property
+    def z(self):
+        """The friction (N, n) of size one of each joint."""
+        return np.concatenate([part.filtered(path)
+                               for part, path in zip(self.parts, self._paths)])
+
+    @cached_property
+    def _paths(self):
+        """The joints' friction of size one before the filter, [(N, STEPS + 1, n)] of the parts."""
+        n = self.parts[0].course.shape[-1]
+        every = Apart(np.arange(n), *self.own, ())
+        return lock_step([(part.moved, part.speeds) for part in self.parts],
+                         lambda numbers, rows: np.concatenate(list(
+                             _bent(every.tiled(len(numbers), n), *rows))))
+
+    def _peaks(self, joints, peak):
+        """Return (N, K) of peaks that turn with all other friction, or of that alone."""
+        if not peak:
+            return self.z[:, joints]
+        return np.concatenate([
+            part.filtered(path[..., joints] * left(part.speeds[..., joints],
+                                                   part.warmth[:, None, joints], *peak))
+            for part, path in zip(self.parts, self._paths)])
+
+    def _follow(self, places):
+        """Return the friction (N, K) of Apart."""
+        n = self.parts[0].course.shape[-1]
+        return np.concatenate(lock_step(
+            [(part.moved, part.speeds, part.warmth[:, None], part.dt[:, None])
+             for part in self.parts],
+            lambda numbers, rows: _filtered(places.tiled(len(numbers), n), *rows)))
+
+
+def _bent(places, moved, speeds, warmth=None):
+    """
+    Yield the friction (ROWS, STEPS + 1, K) of Apart before the filter.
+
+    moved (L, STEPS, n), speeds (L, STEPS + 1, n), warmth (L, 1, n), which only peaks want.
+    """
+    joints = places.joints
+    warmth = np.zeros((len(moved), 1, moved.shape[2])) if warmth is None else warmth
+    contacts = places.contacts(speeds[0][:, joints], warmth[0, 0, joints])
+    for start in range(0, len(moved), ROWS):
+        some = slice(start, start + ROWS)
+        levels = places.levels(speeds[some][..., joints], warmth[some][..., joints])
+        yield contacts.bend_along(*contacts.ways(moved[some][..., joints], levels))
+
+
+def _filtered(places, *rows):
+    """Return the friction (L, K) of Apart; rows: of _bent, and dt (L, parts)."""
+    *motion, dt = rows
+    stages, start, out = None, 0, []
+    for bent in _bent(places, *motion):
+        # Parts side by side have their own times.
+        bent = bent.reshape(*bent.shape[:2], dt.shape[1], -1).swapaxes(1, 2)
+        if stages is None:
+            stages = np.repeat(bent[0, :, :1], 3, axis=1)
+        shown = filtered_along(stages, bent, dt[start:start + len(bent)])
+        stages, start = shown[-1], start + len(bent)
+        out.append(shown[:, :, 2].reshape(len(bent), -1))
+    return np.concatenate(out)
+
+
+def shown_along(course, dt, warmth, own, messages=None):
+    """
+    Return ShownAlong one course (N, 2, STEPS, n); dt (N,) [s]; warmth (N, n) [K].
+
+    own: as of ShownAlong; messages (N,), or None where the course has no noise.
+    """
+    messages = np.zeros(len(dt)) if messages is None else messages
+    return ShownAlong((ShownPart(course, warmth, dt, messages),), own)

@@ -1,0 +1,43 @@
+"""What is not known of friction as a joint begins, as the motion filter shows it."""
+
+from core_helpers import presliding_path
+import numpy as np
+import pytest
+
+from hand_load_estimator.course import STEPS
+from hand_load_estimator.torque.start_doubt import start_doubt_along, StartDoubt
+
+S, DT = np.array([1e-3, 4e-3]), 0.02
+
+
+def motion(seed=0):
+    """Return ways (N, STEPS, 2), q, v (N, 2) and dt (N,): rest, motion, rest, motion."""
+    rng, speed = np.random.default_rng(seed), np.repeat([0.0, 0.1, 0.0, 0.05], 50)
+    v = speed[:, None] * rng.choice([-1.0, 1.0], (200, 1)) * np.ones(2)
+    moved = np.repeat(v[:, None] * DT / STEPS, STEPS, axis=1)
+    return moved, moved.sum(axis=1).cumsum(axis=0), v, np.full(200, DT)
+
+
+def test_online_is_as_offline():
+    rows = motion()
+    state = StartDoubt(S)
+    online = np.array([state.update(*row) for row in zip(*rows)])
+    np.testing.assert_allclose(online, start_doubt_along(*rows, S), atol=1e-12)
+    state.restart()
+    np.testing.assert_array_equal(state.update(*(column[0] for column in rows)), online[0])
+
+
+def test_it_passes_the_filter():
+    """As the friction does whose start is unknown: late, and as much of it in all."""
+    moved, q, v, dt = motion()
+    shown = start_doubt_along(moved, q, v, dt, S)
+    _, plain = presliding_path(q, v, dt, S)
+    rising = slice(60, 100)
+    assert (shown[rising] >= plain[rising] - 1e-12).all()
+    assert shown[53, 0] > 10.0 * plain[53, 0], 'two samples after a joint has turned all the way'
+    assert shown[99, 1] < 1e-6
+    np.testing.assert_allclose(shown[45:50], plain[45:50], rtol=0.1)
+    # What a start adds in all is what the filter hands on of it.
+    both = slice(50, 100)
+    assert shown[both, 1].sum() - plain[both, 1].sum() == pytest.approx(
+        0.03 / DT * plain[49, 1], rel=0.2)
