@@ -31,6 +31,7 @@ from .random_motions import random_motion, random_waves
 from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_state,
                          friction_torque)
 
+# Figures of a Stribeck peak that draws do not have.
 PLAIN = frozenset({'travel', 'power', 'velocity_range'})
 RATE = 100.0      # [Hz] of the simulated messages
 EVERY = 2         # messages per step of the estimator
@@ -225,7 +226,6 @@ def _vary(rng, model):
     for use, where in model.slices():
         if use.name != 'torque_offset':
             mean[where] *= size[use.joint]
-        # Draws have one travel for all of a joint's friction, and a peak's velocity at any warmth.
         shape = {name: np.inf if name in PLAIN and use.name == 'stribeck_friction' else value
                  for name, value in use.shape.items()}
         if 'presliding_distance' in shape:

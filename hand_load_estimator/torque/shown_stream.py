@@ -93,7 +93,7 @@ class ShownStream:
 
     @staticmethod
     def _followed(places):
-        """Return (rows (K,), what follows them) of places apart and others; None follows z."""
+        """Return (rows (K,), what follows them) of places apart and others, or joints: z's."""
         joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
         apart, out = np.isfinite(travels), []
         if apart.any():
