@@ -14,7 +14,6 @@ from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
 from hand_load_estimator.identification.regression_system import posterior_of, System
-from hand_load_estimator.identification.shape_search import search_shapes
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import (JointSample, read_recording, Recording,
@@ -141,18 +140,6 @@ def test_shapes_are_found(found):
     assert all(np.isinf(u.shape['power']) for u in found.uses
                if u.name == 'presliding_hysteresis')
     assert shapes['stribeck_velocity'].count(0.12) >= 3
-
-
-def test_a_power_of_turning_is_found_with_its_travel(monkeypatch):
-    monkeypatch.setitem(TRUE_SHAPE, 'presliding_distance', 8e-4)
-    made = Made(four_axes(), recordings=2, power=1.5)
-    uses = tuple(EffectUse(u.name, u.joint) for u in made.uses)
-    for again in (False, True):
-        uses = search_shapes(made.robot, uses, made.evidence, made.x, made.density,
-                             0.04 * made.robot.limits.torque, again)
-    turning = [u.shape for u in uses if u.name == 'presliding_hysteresis']
-    assert [shape['power'] for shape in turning] == [1.5] * 4
-    np.testing.assert_allclose([s['presliding_distance'] for s in turning], 8e-4, rtol=0.15)
 
 
 def test_the_noise_is_found(made, found):

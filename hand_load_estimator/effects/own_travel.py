@@ -23,9 +23,7 @@ def of_own_travel(x, j, shape, plain, *peak):
         return plain
     joints = np.arange(x.q.shape[1])[j]
     places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), *peak
-    if not np.ndim(joints):
-        return x.shown(*places)
-    if np.all(own):
+    if not np.ndim(joints) or np.all(own):
         return x.shown(*places)
     out = plain.copy()
     out[:, own] = x.shown(*(np.broadcast_to(place, joints.shape)[own] for place in places))
