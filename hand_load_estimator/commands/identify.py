@@ -5,8 +5,6 @@ from datetime import datetime
 from pathlib import Path
 import sys
 
-import numpy as np
-
 from ..files.load_file import placed
 from .recording_arguments import add_recording_arguments, topics
 

@@ -15,7 +15,7 @@ from ..identification.residual_noise import (known_joints, rmse_of, sliding_left
                                              with_usual_drift)
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
-from ..torque_model import Residuals, TorqueModel
+from ..torque_model import TorqueModel
 from .diagnosis import UNKNOWN
 from .doubts.known_recordings import made_from
 from .measured.find import declared_delays

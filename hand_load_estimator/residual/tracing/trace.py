@@ -13,7 +13,7 @@ import numpy as np
 
 from ...effects import LATE
 from ..diagnosis import UNKNOWN
-from .candidate import ahead, evaluated, in_common, joined, significant, single
+from .candidate import ahead, in_common, joined, significant, single
 from .choice import chosen_step
 from .finer_shape import best_of_each, search_around
 from .found import Found
