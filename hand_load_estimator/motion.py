@@ -10,6 +10,7 @@ F[tau] = F[K] m; what K at the filtered motion is short of F[K] is made up for (
 """
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 import math
 
 import numpy as np
@@ -201,6 +202,11 @@ class Motion:
     messages: np.ndarray
     jerk: np.ndarray | None = None
     course: np.ndarray | None = None
+
+    @cached_property
+    def known(self):
+        """What has been computed of it, {Robot: KnownMotion} (torque/motion_inputs.py)."""
+        return {}
 
     @staticmethod
     def of(samples):

@@ -15,11 +15,12 @@ from hand_load_estimator.identification.evidence import Evidence
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.motion import Motion, MotionFilter
-from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, motion_input,
-                                                parameter_count, torque_columns)
+from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, parameter_count,
+                                                torque_columns)
 from hand_load_estimator.torque.lateness import as_reported
 from hand_load_estimator.torque.misread_weight import misread_directions
 from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque.shown_links import shown_links
 from hand_load_estimator.torque_model import _write_delays, drift_std, uncertain_directions
 

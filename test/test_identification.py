@@ -1,5 +1,6 @@
 """Identification finds the parameters of an arm made of the torque model itself."""
 
+from dataclasses import replace
 import re
 
 from core_helpers import block, exact_model, four_axes, messages, recording_of
@@ -15,14 +16,14 @@ from hand_load_estimator.identification.evidence import Evidence, prepare
 from hand_load_estimator.identification.identify import declare, identify, nominal_model, prior
 from hand_load_estimator.identification.regression_system import posterior_of, System
 from hand_load_estimator.load import LoadParameters
-from hand_load_estimator.motion import Motion
 from hand_load_estimator.recording import (JointSample, read_recording, Recording,
                                            RecordingWriter)
 from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.stream.joint_stream import motion_of
 from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, EffectUse,
-                                                motion_input, torque_columns)
+                                                torque_columns)
 from hand_load_estimator.torque.model_file import read_model, write_model
+from hand_load_estimator.torque.motion_inputs import motion_input
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
@@ -187,8 +188,8 @@ def test_a_single_recording_is_enough(made):
 
 
 def test_without_temperatures_their_effects_are_left_out(made):
-    blind = [Evidence(e.name, Motion(**{**vars(e.motion), 'temperature': np.full(
-        e.motion.q.shape, np.nan)}), e.torque) for e in made.evidence[1:2]]
+    blind = [Evidence(e.name, replace(e.motion, temperature=np.full(e.motion.q.shape, np.nan)),
+                      e.torque) for e in made.evidence[1:2]]
     model = identify(made.robot, blind)
     assert model.temperatures is None
     assert not any('temperature' in u.name for u in model.uses)
@@ -209,7 +210,7 @@ def test_an_unknown_effect_is_refused(made):
 
 def test_too_little_motion_is_refused(made):
     robot, motion = made.robot, made.evidence[0].motion
-    still = Motion(**{**vars(motion), 'v': np.zeros_like(motion.v)})
+    still = replace(motion, v=np.zeros_like(motion.v))
     short = motion.part(slice(100))
     for bad in (still, short):
         torque = np.zeros_like(bad.q)

@@ -18,9 +18,10 @@ from hand_load_estimator.identification.knee_fit import with_knees_fitted
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.torque.columns import (ColumnLayout, EffectUse, effect_slices,
-                                                motion_input, parameter_count,
-                                                presliding_distances, torque_columns)
+                                                parameter_count, presliding_distances,
+                                                torque_columns)
 from hand_load_estimator.torque.model_file import read_model, write_model
+from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 COULOMB = 'temperature_dependent_coulomb_friction'

@@ -11,7 +11,8 @@ from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
 from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.measured.folds import cut_into_blocks
 from hand_load_estimator.residual.measured.repeats import first_shown, share_repeated, share_shown
-from hand_load_estimator.torque.columns import motion_input, torque_columns
+from hand_load_estimator.torque.columns import torque_columns
+from hand_load_estimator.torque.motion_inputs import motion_input
 
 DT, JOINTS = 0.02, 4
 REPEATED = 'cannot tell any effect for sure because all recordings repeat one motion of'

@@ -10,11 +10,12 @@ from test_effects_online import along, filtered
 
 from hand_load_estimator.effects.stribeck_curve import left
 from hand_load_estimator.motion import Motion, MotionFilter
-from hand_load_estimator.torque.columns import motion_input, torque_columns
+from hand_load_estimator.torque.columns import torque_columns
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.model_follower import ModelFollower
+from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque.presliding import Turning
-from hand_load_estimator.torque.shown_along import shown_along, ShownAlong
+from hand_load_estimator.torque.shown_along import shown_along, shown_as_one
 from hand_load_estimator.torque.shown_friction import course_behind
 from hand_load_estimator.torque.shown_stream import ShownStream
 
@@ -154,7 +155,7 @@ def test_recordings_beside_one_another_are_as_each_alone(swing):
     parts = [tuple(column[rows] for column in motion) for rows in (slice(90), slice(40, None))]
     places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), POWER, VELOCITY
     each = [shown_along(*part, WAY) for part in parts]
-    together = ShownAlong(tuple(own for one in each for own in one.parts), WAY)
+    together = shown_as_one(each)
     np.testing.assert_array_equal(together(*places), np.concatenate([s(*places) for s in each]))
     assert len(together(0, TRAVEL, np.inf)) == sum(len(part[0]) for part in parts)
 

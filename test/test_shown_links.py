@@ -1,5 +1,7 @@
 """The links' torque behind the motion filter: what a load weighs while the arm is in motion."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,7 +44,7 @@ def test_torque_of_a_load_is_what_the_filter_shows(robot):
 
 def test_motion_that_no_filter_smoothed_is_taken_as_it_is(robot):
     motion = filtered(robot, 2.0, 0.5)
-    plain = Motion(**{**vars(motion), 'jerk': None})
+    plain = replace(motion, jerk=None)
     rows = [robot.link_regressor(*row) for row in zip(motion.q, motion.v, motion.a)]
     assert np.array_equal(shown_links(robot, plain), np.array(rows))
 
@@ -51,7 +53,7 @@ def test_parts_of_a_motion_keep_all_of_it(robot):
     motion = filtered(robot, 2.0, 0.5)
     part = motion.part(slice(10, 20))
     assert np.array_equal(part.jerk, motion.jerk[10:20]) and len(part.stamp) == 10
-    plain = Motion(**{**vars(motion), 'jerk': None})
+    plain = replace(motion, jerk=None)
     for whole in (motion, plain):
         again = Motion.of(whole.samples())
         for name, value in vars(whole).items():

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from hand_load_estimator.course import STEPS
-from hand_load_estimator.torque.start_doubt import start_doubt_along, StartDoubt
+from hand_load_estimator.torque.start_doubt import (rests_along, start_doubt_along,
+                                                    StartDoubt)
 
 S, DT = np.array([1e-3, 4e-3]), 0.02
 
@@ -18,11 +19,16 @@ def motion(seed=0):
     return moved, moved.sum(axis=1).cumsum(axis=0), v, np.full(200, DT)
 
 
+def along(moved, q, v, dt):
+    """Return the doubt (N, 2) along a motion."""
+    return start_doubt_along(moved, rests_along(q, v, dt), dt, S)
+
+
 def test_online_is_as_offline():
     rows = motion()
     state = StartDoubt(S)
     online = np.array([state.update(*row) for row in zip(*rows)])
-    np.testing.assert_allclose(online, start_doubt_along(*rows, S), atol=1e-12)
+    np.testing.assert_allclose(online, along(*rows), atol=1e-12)
     state.restart()
     np.testing.assert_array_equal(state.update(*(column[0] for column in rows)), online[0])
 
@@ -30,7 +36,7 @@ def test_online_is_as_offline():
 def test_it_passes_the_filter():
     """As the friction does whose start is unknown: late, and as much of it in all."""
     moved, q, v, dt = motion()
-    shown = start_doubt_along(moved, q, v, dt, S)
+    shown = along(moved, q, v, dt)
     _, plain = presliding_path(q, v, dt, S)
     rising = slice(60, 100)
     assert (shown[rising] >= plain[rising] - 1e-12).all()

@@ -6,10 +6,10 @@ import numpy as np
 
 from ..effects import LATE
 from ..effects.effect import SLOWEST
-from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, motion_inputs,
-                              presliding_distances, presliding_powers, shown_parts,
-                              torque_columns)
+from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, presliding_distances,
+                              presliding_powers, torque_columns)
 from ..torque.lateness import as_reported, change_when_late
+from ..torque.motion_inputs import known_motion, motion_inputs
 from ..torque.presliding import stuck_density
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
@@ -24,20 +24,19 @@ class System:
 
     mean (P,): parameters that tell torques to the effects that depend on them; around these the
     torque of a delay, which is a product of its share and all others, is made linear. drifting:
-    friction state and velocity (N, n) of the moments that the torques belong to. parts: those of
-    another System of the same evidence, or None.
+    friction state and velocity (N, n) of the moments that the torques belong to. inputs: the
+    motion_inputs of the evidence, where they are known.
     """
 
-    def __init__(self, robot, uses, evidence, mean, parts=None):
+    def __init__(self, robot, uses, evidence, mean, inputs=None):
         self.robot = robot
-        distance, power = presliding_distances(robot.n, uses), presliding_powers(robot.n, uses)
         layout = ColumnLayout(robot.n, uses)
-        motions = [e.motion for e in evidence]
-        self.parts = shown_parts(robot, motions) if parts is None else parts
-        inputs = motion_inputs(robot, motions, distance, power, self.parts)
+        inputs = inputs or next(motion_inputs(robot, [e.motion for e in evidence],
+                                              [ways_to_turn(robot.n, uses)]))
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
-            torque_columns(robot, layout, x, mean, e.motion.dt, e.load)
+            torque_columns(robot, layout, x, mean, e.motion.dt, e.load,
+                           links=known_motion(robot, e.motion).links)
             for (x, _), e in zip(inputs, evidence)])
         self.torque = np.concatenate([e.torque for e in evidence])
         self.doubt = np.concatenate([doubt for _, doubt in inputs])
@@ -146,6 +145,11 @@ class System:
     def residual(self, x):
         """Return tau - Y x, (N, n)."""
         return self.torque - self.columns @ x
+
+
+def ways_to_turn(n, uses):
+    """Return the travels [rad] and powers (n,) over which n joints' friction turns."""
+    return presliding_distances(n, uses), presliding_powers(n, uses)
 
 
 def posterior_of(mean, covariance, told):

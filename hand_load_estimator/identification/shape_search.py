@@ -7,7 +7,8 @@ import numpy as np
 
 from ..effects import EFFECTS, PRESLIDING
 from ..torque.columns import effect_slices
-from .regression_system import System
+from ..torque.motion_inputs import motion_inputs
+from .regression_system import System, ways_to_turn
 
 TRAVEL = 'presliding_distance'
 # Travels to look at around one that was found, in times it; with another power a travel is so many
@@ -31,9 +32,10 @@ def search_shapes(robot, uses, evidence, x, intensity, friction, again=False):
     for name, shapes in _shapes_of(uses):
         # How friction turns shows where it does, which tells little of anything else.
         counts = turning if name == PRESLIDING else weights
-        tried = _around(uses) if again and name == PRESLIDING else _grid(uses, name, shapes)
+        around = again and name == PRESLIDING
+        tried = list(_around(uses) if around else _grid(uses, name, shapes))
         best = {}
-        for trial, system in _systems(robot, tried, evidence, x, name, first.parts):
+        for trial, system in _systems(robot, tried, evidence, x, name):
             # Where nothing tells, a shape stays.
             own = {use.joint: use for use in trial
                    if use.name == name and counts[:, use.joint].any()}
@@ -69,12 +71,18 @@ def _near(use, other, factor):
     return {**use.shape, TRAVEL: travel, 'power': power}
 
 
-def _systems(robot, tried, evidence, x, name, parts):
+def _systems(robot, tried, evidence, x, name):
     """Yield (uses, their System) of tuples of uses that differ in an effect's shapes."""
-    alone, system = name != PRESLIDING and EFFECTS[name].needs <= {'warmth'}, None
+    if name == PRESLIDING:
+        inputs = motion_inputs(robot, [e.motion for e in evidence],
+                               [ways_to_turn(robot.n, trial) for trial in tried])
+        for trial, given in zip(tried, inputs):
+            yield trial, System(robot, trial, evidence, x, given)
+        return
+    alone, system = EFFECTS[name].needs <= {'warmth'}, None
     for trial in tried:
         if system is None or not alone:
-            system = System(robot, trial, evidence, x, parts)
+            system = System(robot, trial, evidence, x)
         else:
             for use, where in effect_slices(robot.n, trial):
                 if use.name == name:

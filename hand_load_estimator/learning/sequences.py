@@ -23,8 +23,8 @@ from ..motion import BANDWIDTH, filter_step
 from ..torque.columns import torque_columns
 from ..torque.misread_weight import misread_columns
 from ..torque.presliding import stuck_density
-from ..torque.shown_along import ShownAlong, ShownPart
-from ..torque.start_doubt import start_doubt_along
+from ..torque.shown_along import followed_together, shown_as_one, ShownPart
+from ..torque.start_doubt import rests_along, start_doubt_along
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
 from .random_motions import random_motion, random_waves
@@ -204,12 +204,13 @@ def _inputs(model, motion, course, warmth, dt):
     own = model.presliding_distance(), model.presliding_power()
     parts = tuple(ShownPart(course[rows], warmth[rows], dt[rows], np.full(half, EVERY))
                   for rows in (slice(half), slice(half, None)))
-    shown = ShownAlong(parts, own)
+    shown = shown_as_one(next(followed_together(parts, [own])))
     x = EffectInput(*motion, warmth, shown.z, shown=_remembered(shown),
                     at_once=np.concatenate([part.at_once for part in parts]))
     q, v = (part.reshape(2, half, n) for part in motion[:2])
-    return x, np.concatenate([start_doubt_along(part.moved, *each, part.dt, own[0])
-                              for part, *each in zip(parts, q, v)])
+    return x, np.concatenate([
+        start_doubt_along(part.moved, rests_along(*each, part.dt), part.dt, own[0])
+        for part, *each in zip(parts, q, v)])
 
 
 def _vary(rng, model):

@@ -10,15 +10,12 @@ from functools import cache, partial
 
 import numpy as np
 
-from ..effects import EFFECTS, EffectInput, LATE
+from ..effects import EFFECTS, LATE
 from ..effects.knee import KNEE
 from .lateness import lateness
 from .link_pull import link_pull
 from .play import PlayAlong
-from .shown_along import ShownAlong, ShownPart
-from .shown_friction import course_of
 from .shown_links import shown_links_and_way
-from .start_doubt import start_doubt_along
 
 
 # Used for joints whose model declares no presliding: friction turns within encoder resolution.
@@ -200,7 +197,7 @@ class _Groups:
 
 
 def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
-                   teeth=(None, 0.0)):
+                   teeth=(None, 0.0), links=None):
     """
     Return Y (N, n, P) for a ColumnLayout and an EffectInput.
 
@@ -208,14 +205,15 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
     between the samples, without which torques stand still; load: LoadParameters that drives and
     gears are known to carry too, or None; before: (torque (M, n) [Nm], dt (M,) [s]):
     what `prompt_torque` was at the samples before the first; teeth: (PlayState (n) of the gears
-    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds).
+    there, carried on; torque (n,) [Nm] that a load which is believed to be held adds); links:
+    shown_links_and_way of x, where they are known.
     """
     count, n = x.q.shape
     columns = np.zeros((count, n, layout.size))
-    columns[:, :, :layout.links], way = shown_links_and_way(robot, x)
+    columns[:, :, :layout.links], way = links or shown_links_and_way(robot, x)
     layout.fill(columns, x)
     if layout.needs:
-        gear, gear_way = _gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
+        gear, gear_way = gear_torque(robot, columns[:, :, :layout.links], way, mean, load)
         held = gear - columns[:, :, :layout.links] @ mean[:layout.links]
         carried = None if load is None else load.to_products()
         tilt = tilt_along(robot, layout, x.q, mean, carried) if 'tilt' in layout.needs else None
@@ -233,16 +231,13 @@ def torque_columns(robot, layout, x, mean=None, dt=None, load=None, before=None,
     return columns
 
 
-def gear_torque(robot, x, mean, load=None):
+def gear_torque(robot, links, way, mean, load=None):
     """
     Return (N, n) [Nm] twice: torque of links and load, and how far it goes within the filter.
 
-    Arguments as of torque_columns. Gears carry link_pull, too.
+    links, way: of shown_links_and_way; other arguments as of torque_columns. Gears carry
+    link_pull, too.
     """
-    return _gear_torque(robot, *shown_links_and_way(robot, x), mean, load)
-
-
-def _gear_torque(robot, links, way, mean, load):
     gear, gear_way = (columns @ mean[:columns.shape[-1]] for columns in (links, way))
     if load is not None and load.mass > 0.0:
         gear, gear_way = (torque + robot.load_columns(columns) @ load.to_products()
@@ -281,41 +276,6 @@ def tilt_columns(robot, layout, q, mean, load=None, turn=0.0):
         # The load is fixed to the last link.
         links[-10:] += robot.in_last_link(load)
     return np.array([robot.tilt_regressor(row, links, angles) for row in q])
-
-
-def motion_input(robot, motion, distance, power=None):
-    """
-    Return (EffectInput, doubt (N, n)) along a Motion.
-
-    distance (n,) [rad], power (n,): of presliding.Turning, infinite without any.
-    """
-    return motion_inputs(robot, [motion], distance, power)[0]
-
-
-def shown_parts(robot, motions):
-    """Return what motion_inputs knows of Motions whatever friction's travel is: ShownParts."""
-    return tuple(ShownPart(course_of(m), warmth_of(robot, m.temperature), m.dt,
-                           np.zeros(len(m.dt)) if m.course is None else m.messages)
-                 for m in motions)
-
-
-def motion_inputs(robot, motions, distance, power=None, parts=None):
-    """
-    Return [(EffectInput, doubt (N, n))] of motion_input for several Motions at once.
-
-    parts: shown_parts of these, where they are known.
-    """
-    own = np.asarray(distance, dtype=float), (
-        np.full(robot.n, np.inf) if power is None else np.asarray(power, dtype=float))
-    parts = shown_parts(robot, motions) if parts is None else parts
-    return [(_input(m, part, own), start_doubt_along(part.moved, m.q, m.v, m.dt, own[0]))
-            for m, part in zip(motions, parts)]
-
-
-def _input(motion, part, own):
-    shown = ShownAlong((part,), own)
-    return EffectInput(motion.q, motion.v, motion.a, part.warmth, shown.z, shown=shown,
-                       jerk=motion.jerk, at_once=part.at_once)
 
 
 def real_torque(robot, q, effort):

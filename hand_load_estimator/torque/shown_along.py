@@ -13,6 +13,8 @@ from .shown_friction import Apart, begun, directions
 
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
+# So many ways of turning are followed side by side.
+WAYS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +67,14 @@ class ShownAlong:
     shown(joints, travels, powers, *peak) of EffectInput along ShownParts, one after the other.
 
     own: travels [rad] and powers [-] (n,) over which each joint's friction turns; an infinite
-    travel is that one. Arguments of a call as of Apart for (N, K), or plain numbers for (N,).
+    travel is that one. paths: the joints' friction of size one before the filter,
+    (N, STEPS + 1, n) of each part. Arguments of a call as of Apart for (N, K), or plain numbers
+    for (N,).
     """
 
     parts: tuple
     own: tuple
+    paths: tuple
 
     def __call__(self, *places):
         joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
@@ -87,16 +92,7 @@ class ShownAlong:
     def z(self):
         """The friction (N, n) of size one of each joint."""
         return np.concatenate([part.filtered(path)
-                               for part, path in zip(self.parts, self._paths)])
-
-    @cached_property
-    def _paths(self):
-        """The joints' friction of size one before the filter, [(N, STEPS + 1, n)] of the parts."""
-        n = self.parts[0].course.shape[-1]
-        every = Apart(np.arange(n), *self.own, ())
-        return lock_step([(part.moved, part.speeds) for part in self.parts],
-                         lambda numbers, rows: np.concatenate(list(
-                             _bent(every.tiled(len(numbers), n), *rows))))
+                               for part, path in zip(self.parts, self.paths)])
 
     def _peaks(self, joints, peak):
         """Return (N, K) of peaks that turn with all other friction, or of that alone."""
@@ -105,7 +101,7 @@ class ShownAlong:
         return np.concatenate([
             part.filtered(path[..., joints] * left(part.speeds[..., joints],
                                                    part.warmth[:, None, joints], *peak))
-            for part, path in zip(self.parts, self._paths)])
+            for part, path in zip(self.parts, self.paths)])
 
     def _follow(self, places):
         """Return the friction (N, K) of Apart."""
@@ -146,6 +142,38 @@ def _filtered(places, *rows):
     return np.concatenate(out)
 
 
+def followed_together(parts, ways):
+    """
+    Yield, of each of the ways in which friction may turn, a list of the ShownAlong of each part.
+
+    ways: `own` of ShownAlong. They are followed side by side, a few at a time.
+    """
+    for start in range(0, len(ways), WAYS):
+        some = ways[start:start + WAYS]
+        travels, powers = (np.array(own) for own in zip(*some))
+        paths = lock_step(
+            [(part.moved, part.speeds) for part in parts],
+            lambda numbers, rows: _paths(len(numbers), travels, powers, rows))
+        n = travels.shape[1]
+        for k, own in enumerate(some):
+            yield [ShownAlong((part,), own, (path[..., k * n:(k + 1) * n],))
+                   for part, path in zip(parts, paths)]
+
+
+def _paths(count, travels, powers, rows):
+    """Return friction (L, STEPS + 1, count * k n) of parts side by side, in k ways each."""
+    k, n = travels.shape
+    joints = (np.arange(count * n).reshape(count, 1, n) + np.zeros((k, 1), dtype=int)).ravel()
+    every = Apart(joints, np.tile(travels.ravel(), count), np.tile(powers.ravel(), count), ())
+    return np.concatenate(list(_bent(every, *rows)))
+
+
+def shown_as_one(shown):
+    """Return one ShownAlong of several whose friction turns alike."""
+    return ShownAlong(tuple(part for one in shown for part in one.parts), shown[0].own,
+                      tuple(path for one in shown for path in one.paths))
+
+
 def shown_along(course, dt, warmth, own, messages=None):
     """
     Return ShownAlong one course (N, 2, STEPS, n); dt (N,) [s]; warmth (N, n) [K].
@@ -153,4 +181,4 @@ def shown_along(course, dt, warmth, own, messages=None):
     own: as of ShownAlong; messages (N,), or None where the course has no noise.
     """
     messages = np.zeros(len(dt)) if messages is None else messages
-    return ShownAlong((ShownPart(course, warmth, dt, messages),), own)
+    return next(followed_together((ShownPart(course, warmth, dt, messages),), [own]))[0]

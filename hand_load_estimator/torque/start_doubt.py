@@ -34,28 +34,34 @@ class StartDoubt:
         doubt, rests = self._rests.update(q, v, dt)
         if self._stages.max() < NOTHING and self._left.max() < NOTHING and not rests.any():
             return self._none
-        path = np.concatenate([self._left[None], _within(
-            self._left, _decay(moved, self._distance), doubt, rests)])
+        decay = np.exp(-np.cumsum(np.abs(moved), axis=0) / self._distance)
+        within = np.where(rests, doubt, np.minimum(self._left, 1.0) * decay)
+        path = np.concatenate([self._left[None], within])
         self._left = path[-1]
         self._stages = filtered(self._stages, path, dt)
         return self._stages[2]
 
 
-def _decay(moved, distance):
-    """Return what is left (..., STEPS, k) [-] of a start after ways (..., STEPS, k) [rad]."""
-    return np.exp(-np.cumsum(np.abs(moved), axis=-2) / distance)
+def rests_along(q, v, dt):
+    """Return Rests' doubt (N, n), and which (N, n) rest, along a motion q, v (N, n), dt (N,)."""
+    rests = Rests(q[0])
+    return tuple(map(np.array, zip(*(rests.update(*row) for row in zip(q, v, dt)))))
 
 
-def _within(left, decay, doubt, rests):
-    """Return the doubt (STEPS, k) within a sample that began with `left` (k,)."""
-    return np.where(rests, doubt, np.minimum(left, 1.0) * decay)
+def start_doubt_along(moved, rested, dt, distance):
+    """
+    Return the doubt (N, n) of StartDoubt along a motion.
 
-
-def start_doubt_along(moved, q, v, dt, distance):
-    """Return the doubt (N, n) of StartDoubt along ways moved (N, STEPS, n); dt (N,)."""
-    rests, left, out = Rests(q[0]), np.ones(moved.shape[2]), []
-    for *state, decay in zip(q, v, dt, _decay(moved, distance)):
-        out.append(np.concatenate([left[None], _within(left, decay, *rests.update(*state))]))
-        left = out[-1][-1]
-    stages = np.ones((1, 3, moved.shape[2]))
-    return filtered_along(stages, np.array(out)[:, None], dt[:, None])[:, 0, 2]
+    moved (N, STEPS, n): ways [rad]; rested: rests_along; dt (N,) [s]; distance (n,) [rad].
+    """
+    (doubt, rests), n = rested, moved.shape[2]
+    way = np.cumsum(np.abs(moved), axis=1)
+    begun = np.vstack([np.zeros(n), np.cumsum(way[:, -1], axis=0)])
+    # From where a joint last rested on, with what was in doubt there.
+    last = np.maximum.accumulate(np.where(rests, np.arange(1, len(dt) + 1)[:, None], 0), axis=0)
+    left, start = (np.take_along_axis(rows, last, axis=0)[:, None] for rows in (
+        np.minimum(np.vstack([np.ones(n), doubt]), 1.0), begun))
+    within = np.where(rests[:, None], doubt[:, None],
+                      left * np.exp((start - begun[:-1, None] - way) / distance))
+    path = np.concatenate([np.vstack([np.ones(n), within[:-1, -1]])[:, None], within], axis=1)
+    return filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]

@@ -9,13 +9,14 @@ from ...effects import EFFECTS, EffectInput, LATE
 from ...effects.effect import SLOWEST
 from ...identification.evidence import recording_numbers
 from ...motion import smeared
-from ...torque.columns import (EffectUse, gear_torque, motion_inputs, play_columns, tilt_along,
+from ...torque.columns import (EffectUse, gear_torque, play_columns, tilt_along,
                                torque_columns)
 from ...torque.filtered_noise import noise_floor, white_density
 from ...torque.lateness import as_reported, change_when_late, lateness
+from ...torque.motion_inputs import known_motion, motion_inputs
 from ...torque.play import PlayAlong
 from ...torque.presliding import stuck_density
-from ...torque.shown_along import ShownAlong
+from ...torque.shown_along import shown_as_one
 from ...torque.sliding import surely_slides
 from ...torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
@@ -141,8 +142,8 @@ def find_residual(model, evidence, cut=True):
     cut: into blocks, to compare hypotheses on.
     """
     root = uncertain_directions(model, DIRECTIONS, 0)
-    inputs = motion_inputs(model.robot, [e.motion for e in evidence], model.presliding_distance(),
-                           model.presliding_power())
+    inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
+                                [(model.presliding_distance(), model.presliding_power())]))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
@@ -175,8 +176,7 @@ def _joined_input(parts):
                                        parts[0].play.usual)
     return EffectInput(
         **{name: np.concatenate([getattr(p, name) for p in parts]) for name in names}, late=late,
-        play=play, tilt=tilt, shown=ShownAlong(tuple(own for p in parts for own in p.shown.parts),
-                                               parts[0].shown.own))
+        play=play, tilt=tilt, shown=shown_as_one([p.shown for p in parts]))
 
 
 def _doubt(model, root, columns, x, temperature):
@@ -197,9 +197,11 @@ def _of_recording(model, root, evidence, given, compared):
     given: what motion_inputs has of it.
     """
     robot, motion, (x, doubt) = model.robot, evidence.motion, given
-    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.load)
+    links = known_motion(robot, motion).links
+    columns = torque_columns(robot, model.layout, x, model.mean, motion.dt, evidence.load,
+                             links=links)
     if compared:
-        x = _complete(model, x, columns, motion.dt, evidence.load)
+        x = _complete(model, x, columns, motion.dt, evidence.load, links)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
     stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
@@ -219,10 +221,14 @@ def _of_recording(model, root, evidence, given, compared):
             'doubt': _doubt(model, root, columns, x, motion.temperature)}
 
 
-def _complete(model, x, columns, dt, load):
-    """Return an EffectInput with the torques that effects outside the model may read."""
+def _complete(model, x, columns, dt, load, links):
+    """
+    Return an EffectInput with the torques that effects outside the model may read.
+
+    links: shown_links_and_way of it.
+    """
     n, robot = model.robot.n, model.robot
-    gear, way = gear_torque(robot, x, model.mean, load)
+    gear, way = gear_torque(robot, *links, model.mean, load)
     held = gear - columns[:, :, :10 * n] @ model.mean[:10 * n]
     pull, pull_way = model.link_pull(x, load.to_products())
     gear, way = gear + pull, way + pull_way
