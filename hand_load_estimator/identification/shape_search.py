@@ -39,7 +39,8 @@ def search_shapes(robot, uses, evidence, x, intensity, friction, again=False):
             # Where nothing tells, a shape stays.
             own = {use.joint: use for use in trial
                    if use.name == name and counts[:, use.joint].any()}
-            for j, cost in enumerate(_joint_costs(robot, trial, system, x, counts)):
+            costs = joint_costs(trial, system, x, counts, range(robot.n))
+            for j, cost in enumerate(costs):
                 if j in own:
                     # Twice the nats that the values must gain over defaults.
                     cost += 2.0 * sum(_price(shape, own[j].shape) for shape in shapes)
@@ -103,17 +104,23 @@ def _shapes_of(uses):
             *((name, (s,)) for (name, _), s in seen.items() if name != PRESLIDING)]
 
 
-def _joint_costs(robot, uses, system, x, weights):
-    """Return each joint's weighted squared residual with its own effects refitted."""
-    start = 10 * robot.n
-    for j in range(robot.n):
-        own = [w for u, w in effect_slices(robot.n, uses) if u.joint == j]
+def joint_costs(uses, system, x, weights, joints):
+    """
+    Yield the weighted squared residual of each of joints with its own effects refitted.
+
+    system: of uses; x (P,): of all else; weights (N, n).
+    """
+    n = system.robot.n
+    for j in joints:
+        own = [w for u, w in effect_slices(n, uses) if u.joint == j]
         if not own:
             yield 0.0
             continue
         index = np.concatenate([np.arange(w.start, w.stop) for w in own])
         y = system.columns[:, j, :]
-        target = system.torque[:, j] - y[:, :start] @ x[:start]
+        others = x.copy()
+        others[index] = 0.0
+        target = system.torque[:, j] - y @ others
         root = np.sqrt(weights[:, j])
         matrix = y[:, index] * root[:, None]
         scale = np.linalg.norm(matrix, axis=0) + 1e-12

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import LATE
+from ..effects import LATE, PRESLIDING
 from ..identification.evidence import between_gaps
 from ..identification.identify import prior
 from ..identification.knee_fit import with_knees_fitted
@@ -13,6 +13,7 @@ from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
 from ..identification.residual_noise import (known_joints, rmse_of, sliding_left,
                                              with_usual_drift)
+from ..identification.turning_fit import with_turning_fitted
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import TorqueModel
@@ -75,7 +76,8 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     known = np.isfinite(np.concatenate([e.motion.temperature for e in evidence])).any(axis=0)
     mean, covariance = _prior(model, uses, changed, own, (moved_joints(evidence), known))
     links = _links_declared(model, changed)
-    return _identified(model, (uses, links, together), (mean, covariance), evidence, own)
+    turning = sorted(joint for name, joint in changed if name == PRESLIDING)
+    return _identified(model, (uses, links, together, turning), (mean, covariance), evidence, own)
 
 
 def _prior(model, uses, changed, own, told):
@@ -171,7 +173,7 @@ def _with_whole_delays(n, uses, together, x, covariance):
 
 
 def _identified(model, declared, before, evidence, own):
-    (asked, links, together), (mean, covariance) = declared, before
+    (asked, links, together, turning), (mean, covariance) = declared, before
     known = tuple(_before(use, own) for use in asked)
     robot, residuals = model.robot, model.residuals
     # From a share of nothing the first turn would take a delay for something else.
@@ -195,6 +197,8 @@ def _identified(model, declared, before, evidence, own):
             # New recordings need not show all that the old ones did.
             drift = np.maximum(drift, residuals.drift)
             intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
+        if turn == 0 and turning:
+            uses, system = with_turning_fitted(system, uses, evidence, x, intensity, turning), None
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)

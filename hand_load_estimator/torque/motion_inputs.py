@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import proxy
 
 import numpy as np
 
@@ -49,7 +50,10 @@ class KnownMotion:
 
 def known_motion(robot, motion):
     """Return the KnownMotion of a Motion, which keeps it: it is asked for again and again."""
-    return motion.known.setdefault(robot, KnownMotion(robot, motion))
+    if robot not in motion.known:
+        # What knows a motion does not keep it alive.
+        motion.known[robot] = KnownMotion(robot, proxy(motion))
+    return motion.known[robot]
 
 
 def motion_input(robot, motion, distance, power=None):

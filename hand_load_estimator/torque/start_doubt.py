@@ -62,6 +62,6 @@ def start_doubt_along(moved, rested, dt, distance):
     left, start = (np.take_along_axis(rows, last, axis=0)[:, None] for rows in (
         np.minimum(np.vstack([np.ones(n), doubt]), 1.0), begun))
     within = np.where(rests[:, None], doubt[:, None],
-                      left * np.exp((start - begun[:-1, None] - way) / distance))
+                      left * np.exp(np.minimum(start - begun[:-1, None] - way, 0.0) / distance))
     path = np.concatenate([np.vstack([np.ones(n), within[:-1, -1]])[:, None], within], axis=1)
     return filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]
