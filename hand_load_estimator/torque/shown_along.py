@@ -13,7 +13,7 @@ from .shown_friction import Apart, begun, directions
 
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
-# So many ways of turning are followed side by side.
+# So many ways of turning are followed side by side: more would fill the memory.
 WAYS = 6
 
 
@@ -163,7 +163,7 @@ def followed_together(parts, ways):
 def _paths(count, travels, powers, rows):
     """Return friction (L, STEPS + 1, count * k n) of parts side by side, in k ways each."""
     k, n = travels.shape
-    joints = (np.arange(count * n).reshape(count, 1, n) + np.zeros((k, 1), dtype=int)).ravel()
+    joints = np.tile(np.arange(count * n).reshape(count, 1, n), (1, k, 1)).ravel()
     every = Apart(joints, np.tile(travels.ravel(), count), np.tile(powers.ravel(), count), ())
     return np.concatenate(list(_bent(every, *rows)))
 

@@ -57,11 +57,9 @@ def start_doubt_along(moved, rested, dt, distance):
     (doubt, rests), n = rested, moved.shape[2]
     way = np.cumsum(np.abs(moved), axis=1)
     begun = np.vstack([np.zeros(n), np.cumsum(way[:, -1], axis=0)])
-    # From where a joint last rested on, with what was in doubt there.
+    # From where a joint last rested on all of it is in doubt.
     last = np.maximum.accumulate(np.where(rests, np.arange(1, len(dt) + 1)[:, None], 0), axis=0)
-    left, start = (np.take_along_axis(rows, last, axis=0)[:, None] for rows in (
-        np.minimum(np.vstack([np.ones(n), doubt]), 1.0), begun))
-    within = np.where(rests[:, None], doubt[:, None],
-                      left * np.exp(np.minimum(start - begun[:-1, None] - way, 0.0) / distance))
+    turned = way + (begun[:-1] - np.take_along_axis(begun, last, axis=0))[:, None]
+    within = np.where(rests[:, None], doubt[:, None], np.exp(-np.maximum(turned, 0.0) / distance))
     path = np.concatenate([np.vstack([np.ones(n), within[:-1, -1]])[:, None], within], axis=1)
     return filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]
