@@ -85,7 +85,7 @@ class Feeder:
 
     def wait(self):
         """Wait until a node listens."""
-        self._listener.until(lambda: self.publisher.get_subscription_count() > 0, 30.0,
+        self._listener.until(lambda: self.publisher.get_subscription_count() > 0,
                              'a subscription of joint states')
         # The other side may need a moment longer, and drops what comes before.
         self._listener.spin(0.5)

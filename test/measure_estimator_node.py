@@ -119,12 +119,12 @@ class Ear(Listener):
         """Play and listen; return the share of a core that process `pid` takes meanwhile."""
         with ended([sys.executable, __file__, '--play', str(domain), '--rate', str(rate),
                     '--seconds', str(seconds)]) as sender:
-            self.until(lambda: self.delays, 60.0, 'an estimate')
+            self.until(lambda: self.delays, 'an estimate')
             used, stolen, begun = cpu_seconds(pid), stolen_seconds(), time.monotonic()
             self.spin(seconds - 1.0)
             share = (cpu_seconds(pid) - used) / (time.monotonic() - begun)
             self.stolen = stolen_seconds() - stolen
-            self.until(lambda: sender.poll() is not None, 60.0, 'the end of the sender')
+            self.until(lambda: sender.poll() is not None, 'the end of the sender')
         return share
 
     def told(self):
@@ -139,7 +139,7 @@ def measure(rate, seconds, method):
     with free_domain() as domain, Ear(domain) as ear:
         node = NodeProcess('estimator', domain, ['--ros-args', '-p', f'method:={method}'])
         said = ear.listen(DiagnosticArray, '/diagnostics', OUTPUT)
-        ear.until(lambda: said, 60.0, 'diagnostics')
+        ear.until(lambda: said, 'diagnostics')
         share = ear.hear(domain, rate, seconds, node.process.pid)
         values = {pair.key: pair.value for message in said for status in message.status
                   for pair in status.values}

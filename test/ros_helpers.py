@@ -10,6 +10,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 CONTROLLER_YAML = ROOT / 'config' / 'controller.yaml'
+# How long what must come may take [s]: tests run beside others on machines as slow as they come.
+PATIENCE = 40.0
 
 
 def node_environment(domain):
@@ -102,7 +104,7 @@ class Listener:
         self.node.create_subscription(kind, topic, heard.append, qos)
         return heard
 
-    def until(self, condition, timeout=15.0, what='what was waited for'):
+    def until(self, condition, what='what was waited for', timeout=PATIENCE):
         """Spin until condition() holds; AssertionError after `timeout` [s]."""
         end = time.monotonic() + timeout
         while not condition():
@@ -119,12 +121,12 @@ class Listener:
     def call(self, kind, service, request, timeout=10.0):
         """Return the response of a service; asked again when no answer comes (all may be)."""
         client = self.node.create_client(kind, service)
-        self.until(client.service_is_ready, timeout, f'service {service}')
+        self.until(client.service_is_ready, f'service {service}', timeout)
         # An answer is lost when the server has not discovered the new client yet.
         for patience in (3.0, timeout):
             future = client.call_async(request)
             try:
-                self.until(future.done, patience, f'an answer of {service}')
+                self.until(future.done, f'an answer of {service}', patience)
                 break
             except AssertionError:
                 if patience == timeout:

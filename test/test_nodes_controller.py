@@ -30,11 +30,11 @@ def test_a_cycle_from_a_late_robot_to_done_and_a_clean_end(listener, start, mode
     listener.spin(0.5)
     robot = Robot(listener.node)
     robot.order = [3, 1, 0, 2, 5, 4]
-    listener.until(lambda: 'carrying' in phases(heard), 30.0, 'carrying')
+    listener.until(lambda: 'carrying' in phases(heard), 'carrying')
     # Also said to whom listens late.
     late = listening(listener)
-    listener.until(lambda: late.phase and late.limits and late.collision, 5.0, 'latched facts')
-    listener.until(lambda: 'done' in phases(heard), 30.0, 'the end of the cycle')
+    listener.until(lambda: late.phase and late.limits and late.collision, 'latched facts')
+    listener.until(lambda: 'done' in phases(heard), 'the end of the cycle')
     assert phases(heard) == ['home', 'to_pick', 'at_pick', 'carrying', 'at_place', 'returning',
                              'done']
     assert not robot.refused and not any(m.data for m in heard.collision)
@@ -54,7 +54,7 @@ def test_thresholds_come_at_fifty_hertz_while_moving(listener, start, model_file
     start('controller', *arguments(model_file, speed_scale=0.1))
     heard = listening(listener)
     Robot(listener.node)
-    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+    listener.until(lambda: 'to_pick' in phases(heard), 'a motion')
     before = len(heard.thresholds)
     listener.spin(2.0)
     assert phases(heard)[-1] == 'to_pick' and len(heard.thresholds) - before >= 90
@@ -64,13 +64,13 @@ def test_collision_stops_reset_goes_on_and_sigterm_brakes(listener, start, model
     process = start('controller', *arguments(model_file, speed_scale=0.15, cycles=0))
     heard = listening(listener)
     robot = Robot(listener.node)
-    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+    listener.until(lambda: 'to_pick' in phases(heard), 'a motion')
     listener.spin(0.7)
     robot.arm.push = np.array([0.0, 150.0, 80.0, 0.0, 0.0, 0.0])
-    listener.until(lambda: phases(heard)[-1] == 'stopped', 5.0, 'the stop')
-    listener.until(lambda: heard.collision[-1].data, 2.0, 'the collision')
+    listener.until(lambda: phases(heard)[-1] == 'stopped', 'the stop', 5.0)
+    listener.until(lambda: heard.collision[-1].data, 'the collision')
     # Topics may overtake one another: the phase can be here before the trajectory.
-    listener.until(lambda: brakes(robot.received[-1]), 2.0, 'the braking trajectory')
+    listener.until(lambda: brakes(robot.received[-1]), 'the braking trajectory')
     listener.spin(1.0)
     assert not np.any(robot.arm.state(robot.now())[1])
     assert np.max(np.abs(robot.arm.state(robot.now())[0] - PICK)) > 0.05
@@ -79,16 +79,16 @@ def test_collision_stops_reset_goes_on_and_sigterm_brakes(listener, start, model
     refused = listener.call(Trigger, 'controller/start', Trigger.Request())
     assert not refused.success and 'collision' in refused.message
     assert listener.call(Trigger, 'controller/reset', Trigger.Request()).success
-    listener.until(lambda: phases(heard)[-1] == 'waiting', 5.0, 'the end of the stop')
+    listener.until(lambda: phases(heard)[-1] == 'waiting', 'the end of the stop')
     listener.spin(0.5)
     assert not np.any(robot.arm.state(robot.now())[1]), 'a reset moves nothing'
     assert listener.call(Trigger, 'controller/start', Trigger.Request()).success
-    listener.until(lambda: phases(heard)[-1] == 'to_pick', 5.0, 'the motion to go on')
-    listener.until(lambda: not heard.collision[-1].data, 2.0, 'the end of the collision')
-    listener.until(lambda: np.max(np.abs(robot.arm.state(robot.now())[1])) > 0.1, 5.0, 'motion')
+    listener.until(lambda: phases(heard)[-1] == 'to_pick', 'the motion to go on')
+    listener.until(lambda: not heard.collision[-1].data, 'the end of the collision')
+    listener.until(lambda: np.max(np.abs(robot.arm.state(robot.now())[1])) > 0.1, 'motion')
     count = len(robot.received)
     process.process.send_signal(signal.SIGTERM)
-    listener.until(lambda: any(map(brakes, robot.received[count:])), 5.0, 'the last trajectory')
+    listener.until(lambda: any(map(brakes, robot.received[count:])), 'the last trajectory')
     assert process.wait() == 0, process.output
     assert robot.received[-1].points[-1].time_from_start.sec < 2
     listener.spin(2.0)
@@ -126,14 +126,14 @@ def test_bad_messages_are_counted_and_the_cycle_goes_on_in_a_namespace(listener,
         residual.publish(JointState(name=JOINTS[:2], effort=[1.0]))
 
     node.create_timer(0.1, nonsense)
-    listener.until(lambda: 'done' in phases(heard), 40.0, 'the end of the cycle')
+    listener.until(lambda: 'done' in phases(heard), 'the end of the cycle')
     assert not robot.refused and process.process.poll() is None
 
     def said(concern):
         return {status.name: status for status in heard.diagnostics[-1].status}[
             f'cell/controller: {concern}']
 
-    listener.until(lambda: 'done' in said('motion').message, 5.0, 'diagnostics of the end')
+    listener.until(lambda: 'done' in said('motion').message, 'diagnostics of the end')
     rejected = {pair.key: int(pair.value) for pair in said('input').values
                 if pair.key.startswith('rejected')}
     for reason in ('short_arrays', 'not_finite', 'missing_joint', 'residual_joints',
@@ -146,17 +146,17 @@ def test_missing_residual_torques_are_said(listener, start, model_file):
     start('controller', *arguments(model_file, speed_scale=0.1))
     heard = listening(listener)
     robot = Robot(listener.node)
-    listener.until(lambda: 'to_pick' in phases(heard), 30.0, 'a motion')
+    listener.until(lambda: 'to_pick' in phases(heard), 'a motion')
 
     def collision():
         return [(status.level, status.message) for message in heard.diagnostics
                 for status in message.status if status.name == 'controller: collision'][-1]
 
-    listener.until(lambda: heard.diagnostics, 5.0, 'diagnostics')
-    listener.until(lambda: collision() == (DiagnosticStatus.OK, 'no collision'), 3.0,
+    listener.until(lambda: heard.diagnostics, 'diagnostics')
+    listener.until(lambda: collision() == (DiagnosticStatus.OK, 'no collision'),
                    'the word that residuals come')
     robot.residuals = False
-    listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 3.0, 'the warning')
+    listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 'the warning')
     assert 'no collision would be noticed' in collision()[1]
 
 
@@ -168,18 +168,18 @@ def test_joint_states_before_the_first_clock_do_not_hold_it_up(listener, start, 
         return [status.message for message in heard.diagnostics for status in message.status
                 if status.name == f'controller: {concern}']
 
-    listener.until(lambda: 'joint states arrive' in ' '.join(said('input')[-1:]), 30.0, 'input')
+    listener.until(lambda: 'joint states arrive' in ' '.join(said('input')[-1:]), 'input')
     assert 'no /clock arrives' in said('motion')[-1] and not robot.received
     clock = node.create_publisher(Clock, '/clock', OUTPUT)
     node.create_timer(0.01, lambda: clock.publish(Clock(clock=node.get_clock().now().to_msg())))
-    listener.until(lambda: 'to_pick' in phases(heard), 20.0, 'a motion')
+    listener.until(lambda: 'to_pick' in phases(heard), 'a motion')
 
 
 def test_what_was_tared_is_still_held(listener, start, model_file):
     start('controller', *arguments(model_file))
     heard, robot = listening(listener), Robot(listener.node)
     robot.tared = True
-    listener.until(lambda: 'done' in phases(heard), 40.0, 'the end of the cycle')
+    listener.until(lambda: 'done' in phases(heard), 'the end of the cycle')
     # The residual torque shows it all the time: counted out, it would be a collision.
     assert not any(m.data for m in heard.collision)
     masses = {float(pair.value) for message in heard.diagnostics for status in message.status

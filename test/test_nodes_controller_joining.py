@@ -20,7 +20,7 @@ def test_every_topic_may_be_remapped(listener, start, model_file):
     process = start('controller', *arguments(model_file), *remapped)
     heard = listening(listener)
     robot = Robot(listener.node, '/cell/')
-    listener.until(lambda: 'done' in phases(heard), 60.0, 'the end of the cycle')
+    listener.until(lambda: 'done' in phases(heard), 'the end of the cycle')
     assert robot.received and not robot.refused
     assert process.stop(signal.SIGINT) == 0, process.output
 
@@ -28,11 +28,11 @@ def test_every_topic_may_be_remapped(listener, start, model_file):
 def test_one_that_is_started_anew_goes_on_from_where_the_arm_stands(listener, start, model_file):
     first, heard = start('controller', *arguments(model_file)), listening(listener)
     robot = Robot(listener.node)
-    listener.until(lambda: 'carrying' in phases(heard), 60.0, 'carrying')
+    listener.until(lambda: 'carrying' in phases(heard), 'carrying')
     assert first.stop(signal.SIGINT) == 0, first.output
     before, again = len(robot.received), listening(listener)
     second = start('controller', *arguments(model_file))
-    listener.until(lambda: 'done' in phases(again), 60.0, 'the end of another cycle')
+    listener.until(lambda: 'done' in phases(again), 'the end of another cycle')
     assert 'home' in phases(again)
     assert len(robot.received) > before and not robot.refused
     assert not any(message.data for message in again.collision)

@@ -46,13 +46,20 @@ class Estimator:
         return (self.heard['load'][-1].inertia.m,
                 math.sqrt(self.heard['load_variance'][-1].inertia.m))
 
-    def said(self, concern):
-        """Return the newest diagnostics (message, values) of a concern."""
+    def said(self, concern, start=''):
+        """Return the newest diagnostics (message, values) of a concern that start with that."""
         for message in reversed(self.diagnostics):
             for status in message.status:
-                if status.name.endswith(f'estimator: {concern}'):
+                if (status.name.endswith(f'estimator: {concern}')
+                        and status.message.startswith(start)):
                     return status.message, {pair.key: pair.value for pair in status.values}
         return '', {}
+
+    def work_off(self):
+        """Wait until it has worked off what it was fed: nothing new for half a second."""
+        heard = -1
+        while heard < (heard := len(self.heard['load'])):
+            self._listener.spin(0.5)
 
     def counted(self, name):
         """Return a count of the input diagnostics."""
@@ -78,25 +85,22 @@ def feeder(listener, estimator):
 
 
 def test_every_topic_keeps_the_contract(estimator, feeder, listener):
-    listener.until(lambda: estimator.status() == 'NO_DATA', 20.0, 'a status before data')
+    listener.until(lambda: estimator.status() == 'NO_DATA', 'a status before data')
     assert estimator.values()['age'] == 'nan'
     feeder.warm()
     feeder.play(arm_samples((3.0,)))
-    listener.spin(0.5)
+    estimator.work_off()
     heard = estimator.heard
     for name in OUTPUTS:
         assert heard[name], name
-    listener.until(lambda: [m.header.stamp for m in heard['load']] == [
-        m.header.stamp for m in heard['load_variance']], 5.0, 'a variance of every load')
+    # The first ones are lost to a topic that is discovered later than the other.
+    assert [m.header.stamp for m in heard['load'][-20:]] == [
+        m.header.stamp for m in heard['load_variance'][-20:]]
     load, variance = heard['load'][-1], heard['load_variance'][-1]
     assert load.header.frame_id == variance.header.frame_id == 'tool0'
-
-    def covariance():
-        return np.reshape(heard['load_covariance'][-1].data, (10, 10))
-    # Without a stamp it may come after the variance that it belongs to.
-    listener.until(lambda: np.allclose(np.diag(covariance()), vector_of_inertia(
-        heard['load_variance'][-1].inertia)), 5.0, 'the covariance of the last variance')
-    assert np.linalg.eigvalsh(covariance())[0] > -1e-12
+    covariance = np.reshape(heard['load_covariance'][-1].data, (10, 10))
+    assert np.allclose(np.diag(covariance), vector_of_inertia(variance.inertia))
+    assert np.linalg.eigvalsh(covariance)[0] > -1e-12
     assert list(heard['residual_torque'][-1].name) == list(feeder.joints)
     assert np.isfinite(heard['residual_torque'][-1].effort).all()
     assert {m.id for m in heard['markers'][-1].markers} == {0, 1, 2, 3}
@@ -110,23 +114,23 @@ def test_every_topic_keeps_the_contract(estimator, feeder, listener):
     rate = len(heard['load']) / 4.0
     assert 25.0 < rate < 55.0, 'at most 50 Hz, and not much less, of sample time'
     late = listener.listen(DiagnosticStatus, 'estimator/status', LATCHED)
-    listener.until(lambda: late, 0.9, 'the latched status')
+    listener.until(lambda: late, 'the latched status', 0.9)
 
 
 def test_silence_is_told_and_forgiven(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     feeder.play(samples[:250])
     # A busy node may call its input stale while messages still wait for it.
-    listener.until(lambda: estimator.counted('received joint_states') == 250, 10.0, 'all input')
-    listener.until(lambda: estimator.status() == 'STALE_INPUT', 10.0, 'STALE_INPUT')
-    listener.spin(0.2)
+    listener.until(lambda: estimator.counted('received joint_states') == 250, 'all input')
+    listener.until(lambda: estimator.status() == 'STALE_INPUT', 'STALE_INPUT')
+    estimator.work_off()
     count = len(estimator.heard['load'])
     listener.spin(0.3)
     assert len(estimator.heard['load']) == count, 'nothing new is published without input'
-    listener.until(lambda: 'no joint states' in estimator.said('input')[0], 5.0, 'a warning')
+    listener.until(lambda: 'no joint states' in estimator.said('input')[0], 'a warning')
     feeder.epoch += int(5e9)
     feeder.play(samples[250:750])
-    listener.until(lambda: estimator.status() in ('ESTIMATING', 'DETERMINED'), 5.0, 'an estimate')
+    listener.until(lambda: estimator.status() in ('ESTIMATING', 'DETERMINED'), 'an estimate')
 
 
 def test_every_message_is_used_at_1_khz(estimator, listener):
@@ -135,7 +139,7 @@ def test_every_message_is_used_at_1_khz(estimator, listener):
     feeder.wait()
     feeder.play(samples)
     listener.until(lambda: estimator.said('estimate')[1].get('samples') == str(len(samples)),
-                   10.0, 'the count of every sample')
+                   'the count of every sample')
 
 
 def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listener):
@@ -182,7 +186,7 @@ def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listene
         return time_message(feeder.stamp(samples[k][0]))
 
     feeder.play(samples, spoil)
-    listener.until(lambda: int(estimator.said('estimate')[1].get('samples', 0)) > 900, 10.0)
+    listener.until(lambda: int(estimator.said('estimate')[1].get('samples', 0)) > 900)
     listener.spin(1.2)
     rejected = {key.removeprefix('rejected '): int(value) for key, value
                 in estimator.said('input')[1].items() if key.startswith('rejected')}
@@ -200,19 +204,21 @@ def test_bad_data_is_counted_by_kind_and_does_no_harm(estimator, feeder, listene
 def test_temperatures_under_other_names_are_told(estimator, feeder, listener):
     """Ids that match no joint once left the filter without temperatures and the operator calm."""
     names, feeder.joints = feeder.joints, [f'joint_{k}' for k in range(6)]
-    listener.until(feeder.temperatures_heard, 10.0, 'a subscription of temperatures')
+    listener.until(feeder.temperatures_heard, 'a subscription of temperatures')
     feeder.warm()
     feeder.joints = names
     feeder.play(arm_samples((3.0,)))
-    listener.until(lambda: estimator.said('input')[0].startswith('no temperature of'), 5.0)
-    message, values = estimator.said('input')
+    told = 'no temperature of'
+    listener.until(lambda: estimator.said('input', told)[0], told)
+    message, values = estimator.said('input', told)
     assert "'joint_5'" in message and 'elbow_joint' in message
     assert values['temperatures known'] == '0 of 6' and values['received temperatures'] == '6'
     feeder.warm()
     feeder.epoch += int(4e9)
     feeder.play(arm_samples((3.0,)))
-    listener.until(lambda: estimator.said('input')[0] == 'joint states arrive', 5.0, 'an OK')
-    assert estimator.said('input')[1]['temperatures known'] == '6 of 6'
+    told = 'joint states arrive'
+    listener.until(lambda: estimator.said('input', told)[1].get('temperatures known')
+                   == '6 of 6', 'an OK')
 
 
 def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder):
@@ -220,6 +226,7 @@ def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder
     samples = standing_samples(3.0, 6.0)
     feeder.epoch = time.time_ns()
     feeder.play([(t, q, v, -effort) for t, q, v, effort in samples])
+    estimator.work_off()
     told = [status for message in estimator.diagnostics for status in message.status
             if status.name.endswith('estimator: estimate')
             and status.message.startswith('WAITING_FOR_MOTION')]
@@ -228,7 +235,7 @@ def test_torques_that_no_load_makes_are_told_of_a_standing_arm(estimator, feeder
 
 
 def test_a_real_arm_is_told_that_the_shipped_model_is_a_simulated_ones(estimator, listener):
-    listener.until(lambda: 'identify your own' in estimator.said('model')[0], 5.0, 'a warning')
+    listener.until(lambda: 'identify your own' in estimator.said('model')[0], 'a warning')
     assert 'identify your own' in estimator.process.output
 
 
@@ -239,9 +246,9 @@ def test_gap_and_restarted_clock_are_survived(estimator, feeder, listener):
     feeder.epoch -= int(60e9)
     feeder.play(samples[700:])
     listener.until(lambda: estimator.counted('rejected clock_restart') == 1
-                   and estimator.counted('rejected gap') >= 1, 5.0, 'the counts')
+                   and estimator.counted('rejected gap') >= 1, 'the counts')
     listener.until(lambda: estimator.heard['load'][-1].header.stamp.sec
-                   <= feeder.epoch // 10**9 + 5, 5.0, 'estimates of the new time')
+                   <= feeder.epoch // 10**9 + 5, 'estimates of the new time')
     assert estimator.process.process.poll() is None
 
 
@@ -253,34 +260,34 @@ def test_another_arms_joint_states_are_told_with_both_names(estimator, feeder, l
 
     told = 'joint states name lwr_0_joint, '
     feeder.play(arm_samples((3.0,))[:250], renamed)
-    listener.until(lambda: estimator.values()['reason'].startswith(told), 5.0, 'the reason')
+    listener.until(lambda: estimator.values()['reason'].startswith(told), 'the reason')
     assert estimator.status() == 'NO_DATA'
     assert f'but none of {", ".join(feeder.joints)}' in estimator.values()['reason']
     listener.until(lambda: estimator.counted('joint_states of no joint of this robot') == 250,
-                   5.0, 'the count')
+                   'the count')
 
 
 def test_reset_forgets_and_tare_makes_zero(estimator, feeder, listener):
     samples = arm_samples((3.0,))
     known = listener.listen(InertiaStamped, 'estimator/known_load', LATCHED)
-    listener.until(lambda: known, 5.0, 'what is held beside the estimate')
+    listener.until(lambda: known, 'what is held beside the estimate')
     assert known[-1].inertia.m == 0.0
     early = listener.call(Trigger, 'estimator/tare', Trigger.Request())
     assert not early.success and 'NO_DATA' in early.message
     assert feeder.tare(samples).success
-    listener.until(lambda: known[-1].inertia.m > 2.5, 5.0, 'what was tared')
+    listener.until(lambda: known[-1].inertia.m > 2.5, 'what was tared')
     before = known[-1].inertia.m
     assert known[-1].inertia.com.z == pytest.approx(vector_of_inertia(
         known[-1].inertia)[3]) and known[-1].header.frame_id == 'tool0'
     feeder.play(samples)
-    listener.spin(0.3)
+    estimator.work_off()
     assert abs(estimator.mass()[0]) < 0.3
     assert float(estimator.values()['tared mass [kg]']) == pytest.approx(before, abs=0.1)
-    listener.until(lambda: estimator.values()['determined'].startswith('1'), 5.0, 'a found mass')
+    listener.until(lambda: estimator.values()['determined'].startswith('1'), 'a found mass')
     answer = listener.call(Trigger, 'estimator/reset', Trigger.Request())
     assert answer.success and answer.message.startswith('the load is forgotten; the tare of ')
     assert '~/reload_model drops it' in answer.message
-    listener.until(lambda: estimator.values()['determined'].startswith('0'), 5.0,
+    listener.until(lambda: estimator.values()['determined'].startswith('0'),
                    'an estimate that knows nothing')
 
 
@@ -289,7 +296,7 @@ def test_silence_is_told_by_what_arrives_whatever_the_clocks_say(estimator, feed
     feeder.epoch += int(30e9)
     feeder.play(arm_samples((3.0,)))
     assert estimator.status() in ('ESTIMATING', 'DETERMINED')
-    listener.until(lambda: estimator.status() == 'STALE_INPUT', 5.0, 'STALE_INPUT')
+    listener.until(lambda: estimator.status() == 'STALE_INPUT', 'STALE_INPUT')
 
 
 def test_refused_joint_states_are_no_input(estimator, feeder, listener):
@@ -310,15 +317,15 @@ def test_namespace_and_remapping(start, listener):
     feeder = Feeder(listener, '/robot/joint_states')
     feeder.wait()
     feeder.play(arm_samples((3.0,))[:400])
-    listener.until(lambda: estimator.heard['load'], 5.0, 'a load in the namespace')
-    listener.until(lambda: estimator.said('input')[1], 5.0, 'diagnostics')
+    listener.until(lambda: estimator.heard['load'], 'a load in the namespace')
+    listener.until(lambda: estimator.said('input')[1], 'diagnostics')
     names = {status.name for message in estimator.diagnostics for status in message.status}
     assert 'left/estimator: input' in names
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_ends_cleanly_on_a_signal(estimator, listener, number):
-    listener.until(lambda: estimator.status(), 20.0, 'a status')
+    listener.until(lambda: estimator.status(), 'a status')
     code, output = estimator.stopped(number)
     assert code == 0 and 'Traceback' not in output, output
 
@@ -329,6 +336,6 @@ def test_status_keeps_up_with_a_simulation_faster_than_time(listener, estimator)
     feeder.wait()
     before = len(estimator.heard['status'])
     feeder.play(arm_samples((3.0,))[:750])
-    listener.until(lambda: estimator.counted('received joint_states') == 750, 10.0, 'all input')
+    listener.until(lambda: estimator.counted('received joint_states') == 750, 'all input')
     # By the clock on the wall there would be four.
     assert len(estimator.heard['status']) - before > 0.5 * 3.0 / 0.1

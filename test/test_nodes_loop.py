@@ -58,7 +58,7 @@ class Loop:
             phases = [message.data for message in self.heard['phase']]
             assert 'stopped' not in phases, self.nodes['controller'].output
             return phase in phases
-        self._listener.until(there, timeout, f'phase {phase}')
+        self._listener.until(there, f'phase {phase}', timeout)
 
     def hold(self, gripped):
         """Attach or detach the load."""
@@ -73,7 +73,7 @@ class Loop:
         stamp = (last.header.stamp.sec, last.header.stamp.nanosec)
         self._listener.until(lambda: stamp in variance or variance.update(
             {(m.header.stamp.sec, m.header.stamp.nanosec): m.inertia.m
-             for m in self.heard['variance']}), 2.0, 'the variance')
+             for m in self.heard['variance']}), 'the variance')
         return (last.inertia.m - self.heard['truth'][-1].inertia.m, math.sqrt(variance[stamp]))
 
     def load_id(self):
@@ -93,7 +93,7 @@ def test_pick_and_place_with_an_unknown_load(start, listener):
     assert values['intervals'] == 'calibrated with the network'
     changes = loop.load_id()
     loop.hold(True)
-    listener.until(lambda: loop.heard['truth'][-1].inertia.m == LOAD[0], 5.0, 'the load')
+    listener.until(lambda: loop.heard['truth'][-1].inertia.m == LOAD[0], 'the load')
     assert dict(zip(MESSAGE_ORDER, vector_of_inertia(loop.heard['truth'][-1].inertia))) == \
         pytest.approx(dict(zip(MESSAGE_ORDER, LOAD)))
     loop.wait_for('at_place')
@@ -141,7 +141,7 @@ def check_restart(loop, listener):
     loop.heard['load'].clear()
     loop.nodes['estimator'] = loop.start_estimator()
     listener.until(lambda: loop.heard['status'] and loop.heard['load']
-                   and loop.heard['status'][-1].message not in ('NO_DATA', 'STALE_INPUT'), 30.0,
+                   and loop.heard['status'][-1].message not in ('NO_DATA', 'STALE_INPUT'),
                    'the restarted estimator')
     for name in ('simulator', 'controller'):
         assert loop.nodes[name].process.poll() is None, loop.nodes[name].output

@@ -159,7 +159,7 @@ def test_running_node_describes_accepts_and_refuses(start, listener):
 
 def test_misspelled_parameter_is_told(start, listener):
     node = start('simulator', '--ros-args', '-p', 'plant_sed:=3')
-    listener.until(lambda: 'plant_seed' in node.output, 30.0, 'a hint')
+    listener.until(lambda: 'plant_seed' in node.output, 'a hint')
 
 
 def test_a_parameter_file_for_another_node_is_told(start, listener, tmp_path):
@@ -167,10 +167,10 @@ def test_a_parameter_file_for_another_node_is_told(start, listener, tmp_path):
     file = tmp_path / 'mine.yaml'
     file.write_text('/**/simulator:\n  ros__parameters:\n    plant_seed: 3\n')
     node = start('simulator', '--ros-args', '--params-file', file, '-r', '__node:=left_arm')
-    listener.until(lambda: 'has no parameters for /left_arm' in node.output, 30.0, 'a warning')
+    listener.until(lambda: 'has no parameters for /left_arm' in node.output, 'a warning')
     other = start('simulator', '--ros-args', '--params-file', file)
     listener.until(lambda: '/joint_states' in dict(listener.node.get_topic_names_and_types()),
-                   30.0, 'a start')
+                   'a start')
     assert 'has no parameters' not in other.output
 
 

@@ -44,7 +44,7 @@ def heard(start, listener):
               'clock': listener.listen(Clock, '/clock', measurement(2000)),
               'truth': listener.listen(InertiaStamped, 'simulator/true_load', LATCHED),
               'diagnostics': listener.listen(DiagnosticArray, '/diagnostics', OUTPUT)}
-    listener.until(lambda: topics['joint_states'] and topics['truth'], 30.0, 'a joint state')
+    listener.until(lambda: topics['joint_states'] and topics['truth'], 'a joint state')
     return process, topics
 
 
@@ -60,7 +60,7 @@ def said(topics, concern):
 def test_publishes_what_an_arm_does(heard, listener):
     process, topics = heard
     # A busy machine slows the simulated clock: so many messages, not so many seconds.
-    listener.until(lambda: len(topics['joint_states']) > 750, 20.0, 'a second and a half')
+    listener.until(lambda: len(topics['joint_states']) > 750, 'a second and a half')
     states = list(topics['joint_states'])
     assert states[0].name == JOINTS
     assert all(len(m.position) == len(m.velocity) == len(m.effort) == 6 for m in states)
@@ -84,12 +84,12 @@ def test_load_is_taken_from_parameters_at_the_next_attach(heard, listener):
 
     def effort():
         topics['joint_states'].clear()
-        listener.until(lambda: len(topics['joint_states']) > 250, 10.0)
+        listener.until(lambda: len(topics['joint_states']) > 250)
         return np.mean([m.effort[1] for m in topics['joint_states']])
 
     empty = effort()
     assert listener.call(SetBool, 'simulator/attach_load', SetBool.Request(data=True)).success
-    listener.until(lambda: topics['truth'][-1].inertia.m > 0.0, 5.0, 'the truth')
+    listener.until(lambda: topics['truth'][-1].inertia.m > 0.0, 'the truth')
     assert vector_of_inertia(topics['truth'][-1].inertia) == pytest.approx(
         [4.5, 0.02, -0.01, 0.08, 0.02, 0.0, 0.0, 0.02, 0.0, 0.015])
     listener.spin(0.5)
@@ -101,9 +101,9 @@ def test_load_is_taken_from_parameters_at_the_next_attach(heard, listener):
                              p.to_parameter_msg() for p in changed])).result.successful
     assert topics['truth'][-1].inertia.m == pytest.approx(4.5)
     assert listener.call(SetBool, 'simulator/attach_load', SetBool.Request(data=True)).success
-    listener.until(lambda: topics['truth'][-1].inertia.m == 2.0, 5.0, 'the new truth')
+    listener.until(lambda: topics['truth'][-1].inertia.m == 2.0, 'the new truth')
     assert listener.call(SetBool, 'simulator/attach_load', SetBool.Request(data=False)).success
-    listener.until(lambda: topics['truth'][-1].inertia.m == 0.0, 5.0, 'the empty hand')
+    listener.until(lambda: topics['truth'][-1].inertia.m == 0.0, 'the empty hand')
 
 
 def test_impossible_load_is_refused_with_a_sentence(heard, listener):
@@ -121,7 +121,7 @@ def test_executes_good_trajectories_and_counts_bad_ones(heard, listener):
     _, topics = heard
     publisher = listener.node.create_publisher(
         JointTrajectory, 'joint_trajectory_controller/joint_trajectory', OUTPUT)
-    listener.until(lambda: publisher.get_subscription_count() > 0, 10.0, 'the subscription')
+    listener.until(lambda: publisher.get_subscription_count() > 0, 'the subscription')
     goal = [0.1, -0.2, 0.15, -0.1, 0.05, 0.2]
     nan = trajectory(goal, 1)
     nan.points[0].positions[2] = float('nan')
@@ -132,8 +132,8 @@ def test_executes_good_trajectories_and_counts_bad_ones(heard, listener):
     order = [3, 5, 0, 1, 2, 4]
     publisher.publish(trajectory([goal[k] for k in order], 1, [JOINTS[k] for k in order]))
     listener.until(lambda: np.allclose(topics['joint_states'][-1].position, goal, atol=5e-3),
-                   10.0, 'the goal')
-    listener.until(lambda: said(topics, 'trajectories')[1].get('taken') == '1', 5.0, 'one taken')
+                   'the goal')
+    listener.until(lambda: said(topics, 'trajectories')[1].get('taken') == '1', 'one taken')
     values = said(topics, 'trajectories')[1]
     assert values['refused'] == '6', values
     assert any('past' in key for key in values), values
@@ -143,7 +143,7 @@ def test_executes_good_trajectories_and_counts_bad_ones(heard, listener):
     # Refused in one second or in two.
     warned = [message for level, message in levels if level == DiagnosticStatus.WARN]
     assert warned and all('refused in the last second' in message for message in warned)
-    listener.until(lambda: 'refused' not in said(topics, 'trajectories')[0], 5.0, 'the end of it')
+    listener.until(lambda: 'refused' not in said(topics, 'trajectories')[0], 'the end of it')
 
 
 def test_goes_on_where_time_went_on_after_a_restart(heard, start, listener):
@@ -153,10 +153,10 @@ def test_goes_on_where_time_went_on_after_a_restart(heard, start, listener):
     assert process.stop() == 0
     topics['joint_states'].clear()
     start('simulator', '--ros-args', '-p', 'real_time_factor:=0.5')
-    listener.until(lambda: topics['joint_states'], 30.0, 'a joint state after the restart')
+    listener.until(lambda: topics['joint_states'], 'a joint state after the restart')
     assert seconds(topics['joint_states'][0].header.stamp) > last
     listener.until(lambda: 'real time factor' in said(topics, 'clock')[1]
-                   and float(said(topics, 'clock')[1]['real time factor']) < 0.6, 10.0,
+                   and float(said(topics, 'clock')[1]['real time factor']) < 0.6,
                    'half the pace')
     assert said(topics, 'clock')[0] == 'the clock keeps its pace'
 
@@ -166,7 +166,7 @@ def test_namespace_moves_all_but_clock_and_diagnostics(start, listener):
     states = listener.listen(JointState, '/left/joint_states', measurement(100))
     truth = listener.listen(InertiaStamped, '/left/simulator/true_load', LATCHED)
     clock = listener.listen(Clock, '/clock', measurement(100))
-    listener.until(lambda: states and truth and clock, 30.0, 'topics in the namespace')
+    listener.until(lambda: states and truth and clock, 'topics in the namespace')
 
 
 @pytest.mark.parametrize('parameter, words', [

@@ -161,7 +161,7 @@ def test_built_nodes_come_up_publish_and_stop_cleanly(workspace):
                 for node in nodes.values():
                     assert node.process.poll() is None, node.output
                 return joint_states and speaking() >= set(nodes)
-            listener.until(all_speak, 40.0, 'a joint state and diagnostics of every node')
+            listener.until(all_speak, 'a joint state and diagnostics of every node')
             signals = (signal.SIGTERM, signal.SIGINT, signal.SIGTERM)
             codes = {name: node.stop(number) for (name, node), number
                      in zip(reversed(nodes.items()), signals)}
@@ -183,7 +183,7 @@ def test_ros2_run_starts_a_built_node(workspace):
             arguments=['run', PACKAGE, 'estimator_node', '--ros-args', '--params-file',
                        workspace / 'share' / PACKAGE / 'config' / 'estimator.yaml'])
         try:
-            listener.until(lambda: diagnostics, 40.0, 'diagnostics')
+            listener.until(lambda: diagnostics, 'diagnostics')
             assert node.stop(signal.SIGINT) == 0, node.output
             assert 'Traceback' not in node.output
         finally:
