@@ -189,3 +189,15 @@ def recording_of(stream, joints, celsius=25.0):
     samples = [TemperatureSample(stream[0].stamp, joint, celsius) for joint in joints]
     samples += [JointSample(m.stamp, m.names, m.position, m.velocity, m.effort) for m in stream]
     return Recording('made up', samples)
+
+
+def longest_contact(estimates):
+    """Return for how long [s] a contact is told without a break."""
+    longest, begun = 0.0, None
+    for estimate in estimates:
+        if 'contact' not in estimate.reason:
+            begun = None
+            continue
+        begun = begun or estimate.stamp
+        longest = max(longest, estimate.stamp - begun)
+    return longest

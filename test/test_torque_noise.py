@@ -39,6 +39,20 @@ def test_motion_is_no_noise(rate):
     assert measured(rate, carried) == pytest.approx(measured(rate), rel=0.2)
 
 
+def test_accelerations_of_noisy_encoders_are_hardly_noise():
+    """In heavy links they were two to four times the noise of torques, though never slowly so."""
+    rng, motion = np.random.default_rng(3), MotionFilter(1)
+    noise, inertia, density = SampleNoise(np.array([0.3])), 7.0, []
+    for k in range(7500):
+        q, v, effort = np.array([5e-6, 2e-3, STD])[:, None] * rng.normal(size=(3, 1))
+        sample = motion.update(k / 500, q, v, effort)
+        if sample is not None and not sample.fresh:
+            difference = sample.effort - inertia * sample.a
+            density.append(noise.update(difference, sample.dt, sample.messages,
+                                        np.array([True]))[0])
+    assert np.mean(density[-100:]) < 1.4 * STD ** 2 / 500
+
+
 def test_reversals_are_hardly_noise():
     def friction(t):
         return 9.0 * np.sign(np.sin(2.0 * np.pi * 0.3 * t))
@@ -48,13 +62,13 @@ def test_reversals_are_hardly_noise():
 def test_a_joint_that_does_not_slide_is_not_asked():
     """Held, or turning around, friction works like noise that sliding joints do not have."""
     rng, noise = np.random.default_rng(1), SampleNoise(np.array([0.3, 0.3]))
-    for k in range(200):
-        # The second joint slides now and then, never for five samples in a row.
+    for k in range(1000):
+        # The second joint slides now and then, never long enough for a difference.
         slides = np.array([k % 50 > 25, k % 5 > 0])
         held = np.array([0.0 if slides[0] else 5.0, 5.0])
         density = noise.update((0.3 + held) * rng.normal(size=2), 0.02, 10, slides)
     # Behind a filter that was not there, white noise looks larger than it is.
-    gain = difference_gain(0, 8)
+    gain = difference_gain(0, 3, 8)
     assert density[0] == pytest.approx(70.0 * 0.3 ** 2 / gain, rel=0.4)
     assert density[1] == pytest.approx(0.3 ** 2 * 0.02)
 

@@ -42,7 +42,7 @@ BEFORE = 34
 # Innovations below this share of what is stated, in which 1 is exactly as stated: surely none of
 # the joints ails. Models whose doubt is wide say so of healthy arms; a model that is exact hardly
 # ever does, and asks the joints first.
-FORETOLD = 0.8
+FORETOLD = 0.9
 # Up to this factor on what is stated a model is taken to be as it states.
 AS_STATED = 2.0
 # A Student's 95 % over a normal's: 1 + this over the degrees of freedom.
