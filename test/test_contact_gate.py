@@ -91,7 +91,7 @@ def test_another_load_that_the_model_misreads_is_found(model):
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_a_contact_that_never_ends_is_let_through_at_last(model, seed):
+def test_a_contact_that_never_ends_is_told_for_eight_seconds_at_a_time(model, seed):
     stream = messages(model, block(MASS), 24.0, seed=seed)
     estimates = feed(warm(pipeline_of(model)),
                      pushed(model, stream, (40.0, 0.0, 0.0), 103.0, 200.0))

@@ -84,16 +84,17 @@ def sure(monkeypatch):
 def test_what_misreads_weights_is_not_taken_for_a_load(ailing, sure):
     """The mass is within 30 g and its interval, and without these directions worse by far."""
     model = exact_model('ur10e')
-    stream = ailing(model, messages(model, LOAD, 12.0))
+    streams = [ailing(model, messages(model, LOAD, 12.0, seed=seed)) for seed in range(3)]
 
     def run():
-        pipeline = warm(pipeline_of(model))
-        last = feed(pipeline, stream)[-1]
-        return abs(last.mean[0] - LOAD.mass), last.std[0], pipeline.load_id
+        pipelines = [warm(pipeline_of(model)) for _ in streams]
+        last = [feed(pipeline, stream)[-1] for pipeline, stream in zip(pipelines, streams)]
+        return (np.array([abs(e.mean[0] - LOAD.mass) for e in last]),
+                np.array([e.std[0] for e in last]), [p.load_id for p in pipelines])
 
     wrong, std, changes = run()
-    assert wrong < 0.03 and wrong < 2.6 * std and not changes
-    assert sure(run)[0] > 2.5 * wrong
+    assert (wrong < 0.03).all() and (wrong < 2.6 * std).all() and not any(changes)
+    assert np.linalg.norm(sure(run)[0]) > 2.5 * np.linalg.norm(wrong)
 
 
 def test_what_a_healthy_arm_pays(sure):
@@ -106,7 +107,8 @@ def test_what_a_healthy_arm_pays(sure):
         wider.append(doubted.std[0] / plain.std[0])
         errors.append([doubted.mean[0] - LOAD.mass, plain.mean[0] - LOAD.mass])
         off.append(abs(errors[-1][0]) / doubted.std[0])
-    assert np.median(wider) < 1.1 and max(off) < 2.0
+    # One of six is beyond two deviations in every fourth set of seeds.
+    assert np.median(wider) < 1.1 and max(off) < 2.6
     ours, without = np.sqrt(np.mean(np.square(errors), axis=0))
     assert ours < 1.1 * without
 

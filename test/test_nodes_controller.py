@@ -68,9 +68,9 @@ def test_collision_stops_reset_goes_on_and_sigterm_brakes(listener, start, model
     listener.spin(0.7)
     robot.arm.push = np.array([0.0, 150.0, 80.0, 0.0, 0.0, 0.0])
     listener.until(lambda: phases(heard)[-1] == 'stopped', 'the stop', 5.0)
-    listener.until(lambda: heard.collision[-1].data, 'the collision')
+    listener.until(lambda: heard.collision[-1].data, 'the collision', 2.0)
     # Topics may overtake one another: the phase can be here before the trajectory.
-    listener.until(lambda: brakes(robot.received[-1]), 'the braking trajectory')
+    listener.until(lambda: brakes(robot.received[-1]), 'the braking trajectory', 2.0)
     listener.spin(1.0)
     assert not np.any(robot.arm.state(robot.now())[1])
     assert np.max(np.abs(robot.arm.state(robot.now())[0] - PICK)) > 0.05
@@ -156,7 +156,7 @@ def test_missing_residual_torques_are_said(listener, start, model_file):
     listener.until(lambda: collision() == (DiagnosticStatus.OK, 'no collision'),
                    'the word that residuals come')
     robot.residuals = False
-    listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 'the warning')
+    listener.until(lambda: collision()[0] == DiagnosticStatus.WARN, 'the warning', 3.0)
     assert 'no collision would be noticed' in collision()[1]
 
 

@@ -56,10 +56,10 @@ class Estimator:
         return '', {}
 
     def work_off(self):
-        """Wait until it has worked off what it was fed: nothing new for half a second."""
+        """Wait until it has worked off what it was fed: no new load for a second."""
         heard = -1
         while heard < (heard := len(self.heard['load'])):
-            self._listener.spin(0.5)
+            self._listener.spin(1.0)
 
     def counted(self, name):
         """Return a count of the input diagnostics."""

@@ -97,6 +97,8 @@ def test_what_begins_a_contact_is_left_out_too(model, method, silent, monkeypatc
     def fresh():
         return warm(pipeline_of(model) if method == 'bayes' else pipeline_with(model, silent))
 
+    # Of a model that foretells so slow a push is another load first, and taken back.
+    monkeypatch.setattr(ModelTrust, 'foretold_before', lambda self: False)
     stream = pushed(model, messages(model, block(MASS), 11.5), UP, rise=0.2)
     assert feed(fresh(), stream)[-1].load_id == 0
     monkeypatch.setattr(LoadRegression, 'drop_newest', lambda self, stamp: None)
@@ -203,7 +205,7 @@ def test_a_push_soon_after_another_load_is_let_be(model):
 
 
 @pytest.mark.parametrize('wrench', [DOWN, UP])
-def test_a_push_that_never_ends_is_let_through_at_last(model, wrench):
+def test_a_push_that_never_ends_is_told_for_eight_seconds_at_a_time(model, wrench):
     stream = messages(model, block(MASS), 28.0, seed=2)
     estimates = feed(warm(pipeline_of(model)), pushed(model, stream, wrench, FROM, 200.0))
     assert any('contact' in e.reason for e in estimates)

@@ -13,23 +13,49 @@ from hand_load_estimator.simulation.simulate_motions import named_motion
 from hand_load_estimator.torque.noise import difference_gain, SampleNoise
 
 STD = 1.2  # [Nm] of one reported torque
+JOINTS = 40
+UNIT = np.ones(JOINTS)
 
 
-def measured(rate, torque=lambda t: 0.0, seconds=15.0):
-    """Return the density [Nm^2 s] SampleNoise finds in noise of STD at a rate [Hz]."""
-    rng, motion, noise = np.random.default_rng(0), MotionFilter(1), SampleNoise(np.array([0.3]))
+def measured(rate, torque=lambda t: 0.0, seconds=15.0, jitter=0.0, growth=lambda t: 1.0,
+             stated=1e-6):
+    """
+    Return the density [Nm^2 s] SampleNoise finds in noise of STD at a rate [Hz], mean of JOINTS.
+
+    jitter: of the stamps, as a share of their spacing; growth: factor on STD at a time [s];
+    stated: density [Nm^2 s].
+    """
+    rng, still = np.random.default_rng(0), np.zeros(JOINTS)
+    motion, noise = MotionFilter(JOINTS), SampleNoise(np.full(JOINTS, 0.3), stated * UNIT)
     for k in range(int(rate * seconds)):
-        effort = torque(k / rate) + STD * rng.normal(size=1)
-        sample = motion.update(k / rate, np.zeros(1), np.zeros(1), effort)
+        stamp = (k + jitter * rng.uniform()) / rate
+        effort = torque(stamp) + growth(stamp) * STD * rng.normal(size=JOINTS)
+        sample = motion.update(stamp, still, still, effort)
         if sample is not None and not sample.fresh:
             density = noise.update(sample.effort, sample.dt, sample.messages,
-                                   np.array([True]))
-    return density[0]
+                                   UNIT > 0.0)
+    return density.mean()
 
 
-@pytest.mark.parametrize('rate', [30, 50, 94, 125, 500, 1000])
-def test_white_noise_has_its_variance_times_its_spacing(rate):
-    assert measured(rate) == pytest.approx(STD ** 2 / rate, rel=0.3)
+@pytest.mark.parametrize('jitter', [0.0, 0.1, 0.3])
+@pytest.mark.parametrize('rate', [30, 50, 80, 94, 100, 125, 220, 500, 1000])
+def test_white_noise_has_its_variance_times_its_spacing(rate, jitter):
+    # From a beginning far too low.
+    told = measured(rate, seconds=max(15.0, 900 / rate), jitter=jitter)
+    assert told == pytest.approx(STD ** 2 / rate, rel=0.1)
+
+
+def test_what_is_stated_holds_unless_more_is_measured_than_chance_makes():
+    stated = STD ** 2 / 500
+    assert measured(500, stated=stated) == pytest.approx(stated, rel=0.05)
+    assert measured(500, stated=2.0 * stated) == 2.0 * stated
+    assert measured(250, stated=stated) == pytest.approx(2.0 * stated, rel=0.1)
+
+
+def test_more_noise_is_found_within_half_a_minute():
+    """It takes as long because a knock is none: squares count up to four times the mean."""
+    told = measured(100, seconds=35.0, growth=lambda t: 1.0 if t < 5.0 else 3.0)
+    assert told == pytest.approx(9.0 * STD ** 2 / 100, rel=0.15)
 
 
 @pytest.mark.parametrize('rate', [30, 500])
@@ -42,7 +68,7 @@ def test_motion_is_no_noise(rate):
 def test_accelerations_of_noisy_encoders_are_hardly_noise():
     """In heavy links they were two to four times the noise of torques, though never slowly so."""
     rng, motion = np.random.default_rng(3), MotionFilter(1)
-    noise, inertia, density = SampleNoise(np.array([0.3])), 7.0, []
+    noise, inertia, density = SampleNoise(np.array([0.3]), np.zeros(1)), 7.0, []
     for k in range(7500):
         q, v, effort = np.array([5e-6, 2e-3, STD])[:, None] * rng.normal(size=(3, 1))
         sample = motion.update(k / 500, q, v, effort)
@@ -61,20 +87,20 @@ def test_reversals_are_hardly_noise():
 
 def test_a_joint_that_does_not_slide_is_not_asked():
     """Held, or turning around, friction works like noise that sliding joints do not have."""
-    rng, noise = np.random.default_rng(1), SampleNoise(np.array([0.3, 0.3]))
+    rng, noise = np.random.default_rng(1), SampleNoise(np.array([0.3, 0.3]), np.zeros(2))
     for k in range(1000):
         # The second joint slides now and then, never long enough for a difference.
         slides = np.array([k % 50 > 25, k % 5 > 0])
         held = np.array([0.0 if slides[0] else 5.0, 5.0])
         density = noise.update((0.3 + held) * rng.normal(size=2), 0.02, 10, slides)
     # Behind a filter that was not there, white noise looks larger than it is.
-    gain = difference_gain(0, 3, 8)
+    gain = difference_gain(13, 24)
     assert density[0] == pytest.approx(70.0 * 0.3 ** 2 / gain, rel=0.4)
     assert density[1] == pytest.approx(0.3 ** 2 * 0.02)
 
 
 def test_until_it_is_measured_the_residual_is_taken_for_noise():
-    noise = SampleNoise(np.array([0.3, 2.0]))
+    noise = SampleNoise(np.array([0.3, 2.0]), np.zeros(2))
     for spacing in (0.02, 0.1):
         density = noise.update(np.zeros(2), spacing, 10, np.ones(2, bool))
         np.testing.assert_allclose(density, np.array([0.09, 4.0]) * spacing)

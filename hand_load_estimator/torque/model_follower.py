@@ -73,7 +73,8 @@ class ModelFollower:
         # An estimate suffers less from what the model states; misread_weight.py's count in full.
         self.column_scale = np.full(self.uncertainties, np.sqrt(model.residuals.load_share))
         self.column_scale[:self._ahead] = 1.0
-        self._noise = SampleNoise(model.residuals.rmse) if measured else None
+        residuals = model.residuals
+        self._noise = SampleNoise(residuals.rmse, residuals.load_intensity) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
         delays = {use.joint: (model.mean[where.start], use.shape['shift'])
@@ -197,9 +198,9 @@ class ModelFollower:
         # Identification measured the residual's density; sampled more rarely it has more.
         stated = density = self.model.residuals.load_intensity
         if self._noise is not None:
-            density = np.maximum(density, self._noise.update(
+            density = self._noise.update(
                 difference, sample.dt, sample.messages,
-                self._frictionless | surely_slides(sample.v, z, doubt)))
+                self._frictionless | surely_slides(sample.v, z, doubt))
         noise = (density - stated) / sample.dt
         density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         if self._longest:
