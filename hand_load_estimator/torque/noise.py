@@ -29,7 +29,7 @@ APART, _OFF = 0.06, 0.34
 # Samples of the running mean, and how many of them (20 ms from one another) tell what one would
 # that is independent.
 _MEMORY, _ALIKE = 400, 4.0
-# Of fewer samples it is not asked to be more by more: a slow driver is noisy from the start.
+# Fewer count as so many where chance is judged: a slow driver is noisy from the start.
 _FEW = 32
 # A knock is no noise: squares count up to so many times the mean, which leaves of noise's own that
 # share.
