@@ -129,7 +129,9 @@ def test_a_benchmark_runs_calibrated_intervals_where_it_is_asked_to(light_and_he
     assert tuple(racing) == names
     for sample in light_and_heavy[0][1]:
         stated, true = (contestant.update(sample) for contestant in (plain, ours))
-    np.testing.assert_array_equal(stated.mean, true.mean)
+    np.testing.assert_array_equal(stated.mean[:4], true.mean[:4])
+    # A body that can exist is the nearest one in deviations, which are others.
+    assert (abs(stated.mean - true.mean) < 0.01 * np.sqrt(stated.covariance.diagonal())).all()
     factors = np.sqrt(true.covariance.diagonal() / stated.covariance.diagonal())
     assert (factors[4:] < 0.95).all(), 'the moments of inertia, which bayes states too wide'
 
