@@ -107,8 +107,9 @@ def test_what_a_healthy_arm_pays(sure):
         wider.append(doubted.std[0] / plain.std[0])
         errors.append([doubted.mean[0] - LOAD.mass, plain.mean[0] - LOAD.mass])
         off.append(abs(errors[-1][0]) / doubted.std[0])
-    # One of six is beyond two deviations in every fourth set of seeds.
+    # One of six is beyond two deviations in every fourth set of seeds, their RMS hardly ever.
     assert np.median(wider) < 1.1 and max(off) < 2.6
+    assert np.sqrt(np.mean(np.square(off))) < 1.3
     ours, without = np.sqrt(np.mean(np.square(errors), axis=0))
     assert ours < 1.1 * without
 
