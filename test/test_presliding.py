@@ -120,3 +120,9 @@ def test_a_sliding_joint_tells_all_and_a_held_one_little():
     assert held > 2.0 * (0.25 * level) ** 2
     assert stuck_density(zero, one, zero, 2 * level) \
         == pytest.approx(4.0 * held)
+
+
+def test_a_level_that_rounding_passed_has_no_variance_below_zero():
+    """A filter of level 1 may be a unit in the last place above it; a root of that is NaN."""
+    z = np.array([1.0 + 2e-16, -1.0 - 2e-16, 1.0])
+    assert (stuck_density(z, np.zeros(3), np.full(3, 10.0), 1.0) >= 0.0).all()

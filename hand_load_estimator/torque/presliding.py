@@ -123,7 +123,8 @@ def stuck_variance(z, doubt, v, level):
     z, doubt, v [rad/s] of any one shape; level: Coulomb level [Nm]. While a joint slides it is
     nothing; a joint that is held, creeps or turns around tells the less.
     """
-    share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * (1.0 - z * z)
+    # Rounding may leave a filtered z just above one, which is no variance below zero.
+    share = ((UNKNOWN_START * doubt) ** 2 + ON_THE_WAY ** 2 * np.maximum(1.0 - z * z, 0.0)
              + (CREEPING * np.exp(-np.abs(v) / CREEP_SPEED)) ** 2)
     return share * level ** 2
 
