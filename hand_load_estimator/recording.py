@@ -7,22 +7,18 @@ from pathlib import Path
 import numpy as np
 from rosbags.rosbag2 import (CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer,
                              WriterError)
-from rosbags.typesys import get_typestore, Stores
 
 from .errors import RecordingError
 from .files.load_file import read_load_file
 from .load import LoadParameters
+from .recording_topics import (DYNAMIC_TYPE, JOINT_STATE_TYPE, JOINT_STATES, STORE,
+                               TEMPERATURE_TYPE, TEMPERATURES, wanted_connections)
 from .stream.arm_names import ArmNames
+from .stream.dynamic_joint_states import FewOfMany, temperatures_of
 
-JOINT_STATES = 'joint_states'
-TEMPERATURES = 'joint_temperatures'
-NO_TEMPERATURES = 'none'
-_JOINT_STATE_TYPE = 'sensor_msgs/msg/JointState'
-_TEMPERATURE_TYPE = 'sensor_msgs/msg/Temperature'
 _BAG_VERSION = 9
-_STORE = get_typestore(Stores.ROS2_JAZZY)
-_Time = _STORE.types['builtin_interfaces/msg/Time']
-_Header = _STORE.types['std_msgs/msg/Header']
+_Time = STORE.types['builtin_interfaces/msg/Time']
+_Header = STORE.types['std_msgs/msg/Header']
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class JointSample:
 
 @dataclass(frozen=True)
 class TemperatureSample:
-    """One Temperature message: stamp [s] of its header, joint name, value [degC]."""
+    """One joint's temperature: stamp [s] of its message's header, joint name, value [degC]."""
 
     stamp: float
     joint: str
@@ -80,51 +76,25 @@ def _seconds(stamp):
     return stamp.sec + 1e-9 * stamp.nanosec
 
 
-def _sample(message):
+def _samples_of(message):
     stamp = _seconds(message.header.stamp)
-    if message.__msgtype__ == _JOINT_STATE_TYPE:
-        return JointSample(stamp, tuple(message.name), message.position, message.velocity,
-                           message.effort)
-    return TemperatureSample(stamp, message.header.frame_id, float(message.temperature))
-
-
-def _connections(bag, path, topic, wanted_type, required, otherwise=''):
-    """
-    Return the bag's connections of a topic; RecordingError when they cannot be used.
-
-    otherwise: what else the user may do where the topic is of another type.
-    """
-    found = [c for c in bag.connections if c.topic.lstrip('/') == topic.lstrip('/')]
-    if not found and required:
-        there = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in bag.connections}))
-        raise RecordingError(f'{path}: has no topic {topic!r}; topics in it: {there or "none"}; '
-                             'name the right one with --joint-states or --temperatures')
-    for connection in found:
-        if connection.msgtype != wanted_type:
-            raise RecordingError(f'{path}: topic {connection.topic!r} is a {connection.msgtype}; '
-                                 f'allowed: {wanted_type}{otherwise}')
-    return found
-
-
-def _temperature_connections(bag, path, joint_states, topic):
-    """Return the connections of temperatures: optional, unless asked for by another name."""
-    if topic == NO_TEMPERATURES:
-        return []
-    otherwise = f'; `--temperatures {NO_TEMPERATURES}` reads the recording without'
-    if topic != TEMPERATURES:
-        return _connections(bag, path, topic, _TEMPERATURE_TYPE, True, otherwise)
-    # A driver in a namespace has both of its topics there, a node beside it may not.
-    beside = f'{joint_states.rpartition("/")[0]}/{TEMPERATURES}'
-    return (_connections(bag, path, beside, _TEMPERATURE_TYPE, False, otherwise)
-            or _connections(bag, path, topic, _TEMPERATURE_TYPE, False, otherwise))
+    if message.__msgtype__ == JOINT_STATE_TYPE:
+        return [JointSample(stamp, tuple(message.name), message.position, message.velocity,
+                            message.effort)]
+    if message.__msgtype__ == DYNAMIC_TYPE:
+        return [TemperatureSample(stamp, joint, float(celsius))
+                for joint, celsius in temperatures_of(message)]
+    return [TemperatureSample(stamp, message.header.frame_id, float(message.temperature))]
 
 
 def _samples(path, joint_states, temperatures):
+    few, found = FewOfMany(), []
     with Reader(path) as bag:
-        wanted = _connections(bag, path, joint_states, _JOINT_STATE_TYPE, True)
-        wanted += _temperature_connections(bag, path, joint_states, temperatures)
-        return [_sample(_STORE.deserialize_cdr(raw, connection.msgtype))
-                for connection, _, raw in bag.messages(wanted)]
+        wanted = wanted_connections(bag, path, joint_states, temperatures)
+        for connection, logged, raw in bag.messages(wanted):
+            if connection.msgtype != DYNAMIC_TYPE or few.takes(1e-9 * logged):
+                found += _samples_of(STORE.deserialize_cdr(raw, connection.msgtype))
+    return found
 
 
 def _refuse_other_than_bag(path):
@@ -143,9 +113,10 @@ def read_recording(path, joint_states=JOINT_STATES, temperatures=TEMPERATURES, w
     Return the Recording in a rosbag2 folder.
 
     Topics match with or without a leading slash; namespaces must match exactly. Temperatures by
-    their usual name are looked for in the namespace of the joint states, then without one;
-    NO_TEMPERATURES leaves them out. with_load=False leaves load.yaml unread. Contents are passed
-    on as they are, NaN and empty arrays included.
+    their usual name are looked for in the namespace of the joint states, then without one, and
+    so are those in ros2_control's dynamic_joint_states; NO_TEMPERATURES leaves both out.
+    with_load=False leaves load.yaml unread. Contents are passed on as they are, NaN and empty
+    arrays included.
     Raises RecordingError when the folder cannot be read, ConfigurationError for a wrong load.yaml.
     """
     path = Path(path)
@@ -182,11 +153,11 @@ def _doubles(values):
 
 def _message(sample):
     if isinstance(sample, JointSample):
-        return _STORE.types[_JOINT_STATE_TYPE](
+        return STORE.types[JOINT_STATE_TYPE](
             header=_Header(stamp=_ros_time(sample.stamp), frame_id=''), name=list(sample.names),
             position=_doubles(sample.position), velocity=_doubles(sample.velocity),
             effort=_doubles(sample.effort))
-    return _STORE.types[_TEMPERATURE_TYPE](
+    return STORE.types[TEMPERATURE_TYPE](
         header=_Header(stamp=_ros_time(sample.stamp), frame_id=sample.joint),
         temperature=float(sample.value), variance=0.0)
 
@@ -217,10 +188,10 @@ class RecordingWriter:
             self._writer.open()
         except (OSError, WriterError) as error:
             raise RecordingError(f'{self._path}: cannot be made ({error})') from None
-        for kind, topic, msgtype in ((JointSample, JOINT_STATES, _JOINT_STATE_TYPE),
-                                     (TemperatureSample, TEMPERATURES, _TEMPERATURE_TYPE)):
+        for kind, topic, msgtype in ((JointSample, JOINT_STATES, JOINT_STATE_TYPE),
+                                     (TemperatureSample, TEMPERATURES, TEMPERATURE_TYPE)):
             self._topics[kind] = self._writer.add_connection(f'/{topic}', msgtype,
-                                                             typestore=_STORE)
+                                                             typestore=STORE)
         return self
 
     def __exit__(self, *exception):
@@ -231,7 +202,7 @@ class RecordingWriter:
         message = _message(sample)
         self._last = max(self._last + 1, _nanoseconds(sample.stamp))
         self._writer.write(self._topics[type(sample)], self._last,
-                           _STORE.serialize_cdr(message, message.__msgtype__))
+                           STORE.serialize_cdr(message, message.__msgtype__))
 
 
 def _picked(values, indices, size):

@@ -10,10 +10,14 @@ from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = 'hand_load_estimator'
 
-RECORDED = ('joint_states', 'joint_temperatures', 'estimator/load', 'estimator/load_variance',
-            'estimator/load_covariance', 'estimator/status', 'estimator/residual_torque',
-            'controller/motion_limits', 'controller/collision_thresholds',
-            'controller/collision')
+# What is measured, commanded and answered; in the namespace but for the last.
+RECORDED = ('joint_states', 'joint_temperatures', 'dynamic_joint_states',
+            'joint_trajectory_controller/joint_trajectory', 'simulator/true_load',
+            'estimator/load', 'estimator/load_variance', 'estimator/load_covariance',
+            'estimator/status', 'estimator/residual_torque', 'estimator/known_load',
+            'estimator/suggested_motion', 'controller/motion_limits',
+            'controller/collision_thresholds', 'controller/collision', 'controller/phase',
+            '/diagnostics')
 
 
 def _argument(name, default, description, choices=None):
@@ -73,7 +77,8 @@ def generate_launch_description():
                   'and true with simulate', ['true', 'false', '']),
         _switch('control', 'false', 'start the controller, which moves the arm after '
                 'controller/start between the waypoints of controller_params'),
-        _switch('record', 'false', 'record the topics of the interface to a rosbag2 (MCAP)'),
+        _switch('record', 'false', 'record what is measured, commanded and answered to a rosbag2 '
+                '(MCAP)'),
         *(_params_file(name) for name in ('simulator', 'estimator', 'controller')),
         OpaqueFunction(function=_nodes),
         ExecuteProcess(

@@ -264,6 +264,16 @@ def test_launch_file_declares_what_it_uses():
     assert nodes == {'simulator', 'estimator', 'controller'}
 
 
+def test_the_launch_file_records_every_topic_of_the_readme_that_tells_something():
+    tree = ast.parse((ROOT / 'launch' / 'hand_load.launch.py').read_text())
+    (recorded,) = [ast.literal_eval(node.value) for node in tree.body
+                   if isinstance(node, ast.Assign) and node.targets[0].id == 'RECORDED']
+    interface = (ROOT / 'README.md').read_text().split('## Interface')[1].split('| service |')[0]
+    topics = {line.split('`')[1] for line in interface.splitlines() if line.startswith('| `')}
+    # A clock is made again when a bag is played; markers are drawn from the rest.
+    assert {*recorded} == {*topics, 'dynamic_joint_states'} - {'/clock', 'estimator/markers'}
+
+
 class Kept(SimpleNamespace):
     """Stands in for anything of `launch`, and keeps what it is given."""
 

@@ -4,11 +4,11 @@ import math
 import sys
 from types import ModuleType, SimpleNamespace
 
-import numpy as np
+from dynamic_joint_helpers import control_msgs, dynamic_joint_state, KIND
 import pytest
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from hand_load_estimator.nodes import temperature_input
+from hand_load_estimator.stream.dynamic_joint_states import temperatures_of
 
 
 def test_temperatures_of_dynamic_joint_state():
@@ -22,39 +22,21 @@ def test_temperatures_of_dynamic_joint_state():
         interface_values = [Values(['position', 'temperature'], [0.1, 31.5]),
                             Values(['position'], [0.2]), Values(['temperature'], [math.nan])]
 
-    read = list(temperature_input.temperatures_of(Message))
+    read = list(temperatures_of(Message))
     assert read[0] == ('a', 31.5) and read[1][0] == 'c' and math.isnan(read[1][1])
     assert len(read) == 2
 
 
 @pytest.fixture
-def control_msgs(monkeypatch):
+def store(monkeypatch):
     """Return the rosbags types of control_msgs in place of ROS's own, which are no wheel."""
-    store = get_typestore(Stores.ROS2_JAZZY)
-    store.register({
-        **get_types_from_msg('string[] interface_names\nfloat64[] values',
-                             'control_msgs/msg/InterfaceValue'),
-        **get_types_from_msg('std_msgs/Header header\nstring[] joint_names\n'
-                             'InterfaceValue[] interface_values',
-                             'control_msgs/msg/DynamicJointState')})
+    store = control_msgs()
     for name in ('control_msgs', 'control_msgs.msg'):
         monkeypatch.setitem(sys.modules, name, ModuleType(name))
-    kind = store.types['control_msgs/msg/DynamicJointState']
-    sys.modules['control_msgs.msg'].DynamicJointState = kind
+    sys.modules['control_msgs.msg'].DynamicJointState = store.types[KIND]
     monkeypatch.setattr(temperature_input, 'deserialize_message', lambda data, asked:
                         store.deserialize_cdr(data, asked.__msgtype__))
     return store
-
-
-def dynamic_joint_state(store, joints, celsius):
-    """Return the CDR bytes ros2_control's broadcaster sends: two interfaces of each joint."""
-    types = store.types
-    values = types['control_msgs/msg/InterfaceValue']
-    header = types['std_msgs/msg/Header'](types['builtin_interfaces/msg/Time'](1, 2), '')
-    message = types['control_msgs/msg/DynamicJointState'](
-        header, list(joints), [values(['position', 'temperature'], np.array([0.1, c]))
-                               for c in celsius])
-    return bytes(store.serialize_cdr(message, message.__msgtype__))
 
 
 @pytest.fixture
@@ -69,26 +51,26 @@ def subscribed():
     return now, taken, made[0]
 
 
-def test_of_many_dynamic_joint_states_some_are_read(control_msgs, subscribed):
+def test_of_many_dynamic_joint_states_some_are_read(store, subscribed):
     """What arrives over DDS is raw bytes; of 500 messages a second 40 are read."""
     now, taken, ((kind, topic, received, _), keywords) = subscribed
     assert kind.__msgtype__ == 'control_msgs/msg/DynamicJointState'
     assert topic == 'dynamic_joint_states' and keywords == {'raw': True}
     for k in range(500):
         now[0] = 7.0 + 0.002 * k
-        received(dynamic_joint_state(control_msgs, ('a', 'b'), (30.0 + now[0], 40.0)))
+        received(dynamic_joint_state(store, ('a', 'b'), (30.0 + now[0], 40.0)))
     assert taken[:2] == [('a', 37.0), ('b', 40.0)] and 36 <= len(taken) / 2 <= 40
     now[0] = 1.0
-    received(dynamic_joint_state(control_msgs, ('a',), (20.0,)))
+    received(dynamic_joint_state(store, ('a',), (20.0,)))
     assert taken[-1] == ('a', 20.0), 'a clock that goes back does not stop it'
 
 
-def test_a_gripper_heard_just_before_the_arm_does_not_hide_it(control_msgs, subscribed):
+def test_a_gripper_heard_just_before_the_arm_does_not_hide_it(store, subscribed):
     now, taken, ((*_, received, _), _) = subscribed
     for k in range(20):
         for joint, later in (('gripper', 0.0), ('a', 0.001)):
             now[0] = 7.0 + 0.1 * k + later
-            received(dynamic_joint_state(control_msgs, (joint,), (30.0,)))
+            received(dynamic_joint_state(store, (joint,), (30.0,)))
     assert [joint for joint, _ in taken] == ['gripper', 'a'] * 20
 
 

@@ -1,6 +1,7 @@
 """Arguments shared by the commands that read recordings."""
 
-from ..recording import JOINT_STATES, NO_TEMPERATURES, TEMPERATURES
+from ..recording_topics import JOINT_STATES, NO_TEMPERATURES, TEMPERATURES
+from ..stream.dynamic_joint_states import DYNAMIC_JOINT_STATES
 
 
 def add_recording_arguments(parser):
@@ -9,8 +10,8 @@ def add_recording_arguments(parser):
                         help='topic of the joint states (default: %(default)s)')
     parser.add_argument('--temperatures', metavar='TOPIC', default=TEMPERATURES,
                         help='topic of the joint temperatures, or '
-                             f'{NO_TEMPERATURES} (default: {TEMPERATURES}, beside the joint '
-                             'states)')
+                             f'{NO_TEMPERATURES} (default: {TEMPERATURES} and '
+                             f'{DYNAMIC_JOINT_STATES}, beside the joint states)')
 
 
 def topics(args):
