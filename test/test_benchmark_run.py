@@ -19,7 +19,7 @@ from hand_load_estimator.benchmark.scores import complete
 from hand_load_estimator.benchmark.suites import SUITES
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.learning import (bayesian_network, distilled_network, left_out,
-                                          neural_process)
+                                          neural_process, torque_gp)
 from hand_load_estimator.load import LoadParameters
 
 
@@ -74,7 +74,7 @@ def test_a_small_case_from_plant_to_result(tmp_path, monkeypatch):
     monkeypatch.setitem(SUITES, 'base', replace(SUITES['base'], recorded=brief))
     monkeypatch.setattr(cases, 'DURATION', 5.0)
     monkeypatch.setattr(measure, 'TIMES', (0.5, 1.0))
-    for module in (bayesian_network, distilled_network, neural_process):
+    for module in (bayesian_network, distilled_network, neural_process, torque_gp):
         monkeypatch.setattr(module, 'STEPS', 30)
     # Of what so little teaches next to nothing counts; subtracted whole, each function shows.
     monkeypatch.setattr(left_out, '_gain', lambda data, mean, rows: np.ones(mean.shape[1]))

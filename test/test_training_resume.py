@@ -23,8 +23,8 @@ from hand_load_estimator.torque.model_file import write_model
 SCRIPT = '''
 import os, signal, sys, threading
 from hand_load_estimator.learning import shards, training
-shards.BATCH = 4
-recipe = training.Recipe(sequences=16, calibration=4, validation=4, passes=15, hidden=8)
+shards.BATCH = 2
+recipe = training.Recipe(sequences=8, calibration=2, validation=2, passes=15, hidden=8)
 kill_at, delay = sys.argv[3], float(sys.argv[4])
 def write(text):
     print(text, flush=True)
@@ -140,7 +140,7 @@ def test_the_artefact_runs(runs):
 
 def test_the_card_says_where_it_comes_from(runs):
     card = json.loads((runs[0] / 'whole' / 'card.json').read_text())
-    assert card['joints'] == ['j0', 'j1', 'j2', 'j3'] and card['recipe']['sequences'] == 16
+    assert card['joints'] == ['j0', 'j1', 'j2', 'j3'] and card['recipe']['sequences'] == 8
     assert card['seeds'] == {'training': 1_000_000, 'calibration': 2_100_000,
                              'validation': 2_000_000}
     assert {'coverage_of_95', 'mass_rmse_kg_lstm', 'mass_rmse_kg_without_network'} \
