@@ -34,7 +34,8 @@ setup(
                       'rosbags', 'safetensors', 'scipy', 'torch'],
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
-        'test': ['colcon-common-extensions', 'example-robot-data', 'pytest'],
+        'test': ['colcon-common-extensions', 'example-robot-data', 'pytest',
+                 'pytest-xdist'],
         # hand_load benchmark --rivals, --backend.
         'rivals': ['figaroh', 'mujoco[sysid]'],
         'cluster': ['joblib'],
