@@ -1,14 +1,33 @@
 """The controller's messages: mean and covariance are paired, trajectories and limits carried."""
 
+import os
+import subprocess
+import sys
 from types import SimpleNamespace
 
 from control_helpers import covariance_of, load_vector
 import numpy as np
 import pytest
+from ros_helpers import CONTROLLER_YAML, node_environment
 
 from hand_load_estimator.motions.trajectory import Trajectory
 from hand_load_estimator.nodes.controller_messages import limits_message, trajectory_message
 from hand_load_estimator.nodes.load_pairing import LoadPairing
+
+
+@pytest.mark.parametrize('simulated, clock', [('false', 'STEADY_TIME'), ('true', 'ROS_TIME')])
+def test_a_cycle_is_not_held_up_by_a_wall_clock_that_is_set_back(simulated, clock):
+    """No test may set the clock of the machine: the timer is asked which it goes by."""
+    code = ('import rclpy, sys\n'
+            'from hand_load_estimator.nodes.controller_node import ControllerNode\n'
+            'rclpy.init(args=sys.argv)\n'
+            'periods = {t.timer_period_ns: t.clock.clock_type.name for t in ControllerNode().timers}\n'
+            'print(periods[min(periods)])')
+    done = subprocess.run(
+        [sys.executable, '-c', code, '--ros-args', '--params-file', CONTROLLER_YAML,
+         '-p', f'use_sim_time:={simulated}'], text=True, capture_output=True, check=True,
+        env=node_environment(os.environ.get('ROS_DOMAIN_ID', 1)))
+    assert done.stdout.split()[-1] == clock
 
 
 def test_mean_and_covariance_of_one_estimate_are_paired_in_any_order():

@@ -32,6 +32,16 @@ def test_a_clock_that_jumps_is_followed_within_seconds(jump):
     assert here == pytest.approx(now)
 
 
+@pytest.mark.parametrize('jump', [-30.0, 0.3, 30.0])
+def test_beside_a_clock_that_nobody_sets_a_jump_is_followed_at_once(jump):
+    offset = ClockOffset()
+    for k in range(600):
+        now = 0.01 * k + jump * (k >= 300)
+        assert offset.update(now, 7.0 + 0.01 * k, 3.0 + 0.01 * k) == pytest.approx(now)
+    # What waits is late on both, and still as old as it is.
+    assert offset.update(now + 2.0, 7.0 + 0.01 * k, 3.0 + 0.01 * k + 2.0) == pytest.approx(now)
+
+
 def test_begun_anew_it_knows_nothing_of_before():
     offset = ClockOffset()
     offset.update(10.0, 10.0)

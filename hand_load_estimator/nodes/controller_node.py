@@ -1,12 +1,15 @@
 """Controller node: a pick-and-place cycle whose limits and thresholds follow the load."""
 
 import sys
+import time
 from collections import Counter
 from types import SimpleNamespace
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, Temperature
@@ -50,6 +53,7 @@ class ControllerNode(Node):
         values = NodeParameters(self, CONTROLLER_PARAMETERS).values
         model = model_from_parameters(values)
         self._robot = model.robot
+        self._simulated = self.get_parameter('use_sim_time').value
         self._supervisor = Supervisor(model, settings_from_parameters(values, model.robot))
         self._model, self._guard, self._input = model, InputGuard(self._robot), InputReport()
         self._rejected, self._base, self._offset = Counter(), StampBase(), ClockOffset()
@@ -60,7 +64,9 @@ class ControllerNode(Node):
         self._create_outputs()
         self._create_inputs(values)
         self._create_diagnostics()
-        self.create_timer(1.0 / values.rate, self._tick)
+        # Where the wall clock is set back, a timer of that clock would wait for it to catch up.
+        self.create_timer(1.0 / values.rate, self._tick, clock=None if self._simulated
+                          else Clock(clock_type=ClockType.STEADY_TIME))
         if values.autostart:
             self._supervisor.start()
         self._say_changes()
@@ -103,13 +109,16 @@ class ControllerNode(Node):
         self._diagnostics.add('load', lambda: report_load(self._supervisor.policy))
         self._diagnostics.add('collision', lambda: report_collision(self._supervisor))
         self._diagnostics.add('input', self._report_input)
-        simulated = self.get_parameter('use_sim_time').value
-        self._diagnostics.add('model', lambda: report_torque_model(self._model, simulated))
-        for caution in cautions(self._model, simulated):
+        self._diagnostics.add('model', lambda: report_torque_model(self._model, self._simulated))
+        for caution in cautions(self._model, self._simulated):
             self.get_logger().warning(caution)
 
     def _now(self):
         return self._base.seconds(self.get_clock().now().to_msg())
+
+    def _steady(self):
+        """Return a time [s] that nobody sets; None in a simulation, which has its own pace."""
+        return None if self._simulated else time.monotonic()
 
     def _on_joint_state(self, message):
         stamp = self._base.seconds(message.header.stamp)
@@ -125,7 +134,8 @@ class ControllerNode(Node):
         if self._guard.restarted:
             self._offset.restart()
         # When it was measured, in this node's time: one that has waited in a queue is old.
-        self._supervisor.measured(self._offset.update(self._now(), stamp), q, v)
+        self._supervisor.measured(
+            self._offset.update(self._now(), stamp, self._steady()), q, v)
 
     def _on_temperature(self, message):
         self._take_temperature(message.header.frame_id, message.temperature)

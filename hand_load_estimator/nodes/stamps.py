@@ -36,6 +36,7 @@ class ClockOffset:
     """
 
     KEPT = 1.0  # [s]
+    SET = 0.1   # [s] by which it must have gone beside a steady clock to have been set
 
     def __init__(self):
         self.restart()
@@ -43,9 +44,18 @@ class ClockOffset:
     def restart(self):
         """Begin anew, as after a jump of either clock."""
         self._since, self._before, self._least = None, math.inf, 0.0
+        self._beside = None
 
-    def update(self, now, stamp):
-        """Take a stamp [s] that arrived at `now` [s]; return it in this node's time [s]."""
+    def update(self, now, stamp, steady=None):
+        """
+        Take a stamp [s] that arrived at `now` [s]; return it in this node's time [s].
+
+        steady [s]: a clock that nobody sets, by which a clock that was is told from a delay.
+        """
+        if steady is not None:
+            if self._beside is not None and abs(now - steady - self._beside) > self.SET:
+                self.restart()
+            self._beside = now - steady
         seen = now - stamp
         if self._since is None:
             self._since, self._least = now, seen
