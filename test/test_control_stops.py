@@ -1,6 +1,6 @@
 """Stops of the cycle against a fake arm: collisions and what is none, silence, an arm held."""
 
-from control_helpers import FakeArm, FAR_PLACE, HOME
+from control_helpers import covariance_of, FakeArm, FAR_PLACE, HOME, load_vector
 import numpy as np
 import pytest
 from supervisor_helpers import Cell
@@ -117,6 +117,42 @@ def test_an_arm_that_is_held_is_not_set_off_by_its_release():
     cell.supervisor.reset()
     cell.supervisor.start()
     assert cell.run(30.0, lambda c: c.supervisor.phase == 'done')
+
+
+def test_an_arm_held_after_the_grip_has_not_shown_what_it_holds():
+    """A protective stop: a motion is sent, nothing moves, and the estimate is of before."""
+    cell = Cell(mass=5.0)
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'at_pick')
+    empty = '1'
+
+    def unaware():
+        cell.supervisor.policy.estimate(cell.now, load_vector(0.0), covariance_of(0.05, 0.005))
+        cell.supervisor.policy.status(cell.now, 'DETERMINED', empty)
+
+    cell._estimate, cell.supervisor.policy._load_id = unaware, empty
+    cell.supervisor.policy.expect_change()
+    take, cell.arm.take = cell.arm.take, lambda *a: None
+    assert cell.run(5.0, lambda c: c.supervisor.tries == 1)
+    cell.run(0.5)
+    assert cell.supervisor.policy.belief.source == 'rated'
+    assert cell.supervisor.move.basis == 'rated'
+    # Half a second in which the arm does move tells.
+    cell.arm.take = take
+    assert cell.run(5.0, lambda c: c.supervisor.policy.belief.source == 'estimate')
+    assert np.abs(cell.arm.state(cell.now)[1]).max() > 0.1
+
+
+@pytest.mark.parametrize('ahead, judged', [(0.03, True), (0.06, False), (0.19, False)])
+def test_residual_torques_that_cannot_be_judged_do_not_count_as_heard(ahead, judged):
+    """Of a stamp ahead of all that is expected by now nobody knows what was expected."""
+    cell = Cell()
+    heard = cell.supervisor.residual
+    cell.supervisor.residual = lambda now, torque: heard(now + ahead, torque)
+    assert cell.run(20.0, lambda c: c.supervisor.phase == 'to_pick')
+    cell.run(0.3)
+    assert bool(cell.supervisor.policy.blind) != judged
+    cell.arm.push = np.array([0.0, 0.0, 200.0, 0.0, 0.0, 0.0])
+    assert cell.run(1.0, lambda c: c.supervisor.phase == 'stopped') == judged
 
 
 def test_stop_brakes_a_motion_and_is_silent_at_rest():

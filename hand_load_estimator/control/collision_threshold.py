@@ -135,6 +135,14 @@ class CollisionDetector:
             self._history.popleft()
         return in_force
 
+    def judges(self, stamp):
+        """Tell whether it is known what was expected of a residual torque of `stamp` [s]."""
+        return bool(self._stretch(stamp))
+
+    def _stretch(self, stamp):
+        return [entry for t, entry in self._history
+                if -self._settings.delay <= t - stamp <= 1e-3]
+
     def check(self, stamp, residual):
         """
         Judge a residual torque (n,) [Nm] of `stamp` [s]; return whether a collision is known.
@@ -142,8 +150,7 @@ class CollisionDetector:
         The residual is a filtered torque: it belongs to a stretch of `delay` before its stamp,
         so what is expected may be anything expected during it.
         """
-        stretch = [entry for t, entry in self._history
-                   if -self._settings.delay <= t - stamp <= 1e-3]
+        stretch = self._stretch(stamp)
         if not stretch or stamp < self._deaf_until or not np.isfinite(residual).all():
             return self.collided
         expected = np.array([entry.expected for entry in stretch])

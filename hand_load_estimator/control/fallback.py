@@ -18,8 +18,8 @@ class FallbackSettings:
 
     timeout [s]: age at which an estimate or status is stale; residual_timeout [s]: age at which
     the residual torque is, and no collision would be noticed; relax_time [s]: from the rated
-    load's limits to the estimate's (the other way is at once); confirm_time [s] of motion after
-    which an expected load change that the estimator has not seen did not happen.
+    load's limits to the estimate's (the other way is at once); confirm_time [s] of measured
+    motion after which an expected load change that the estimator has not seen did not happen.
     """
 
     timeout: float = 0.5
@@ -88,7 +88,7 @@ class LoadPolicy:
             self._distrust(f'the estimator says {status}')
 
     def residual(self, stamp):
-        """Note that a usable residual torque of `stamp` [s] has arrived."""
+        """Note that a residual torque of `stamp` [s] has arrived and can be judged."""
         self._residual_stamp = stamp
 
     def expect_change(self):
@@ -101,7 +101,7 @@ class LoadPolicy:
         self._distrust('the hand has gripped or released')
 
     def update(self, now, moving):
-        """Judge the estimate at `now` [s]; moving: whether a motion is under way."""
+        """Judge the estimate at `now` [s]; moving: whether a joint that carries the load does."""
         step = 0.0 if self._now is None else max(0.0, now - self._now)
         self._now = now
         if moving and self._status in TRUSTED:

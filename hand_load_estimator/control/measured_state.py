@@ -3,6 +3,7 @@
 import numpy as np
 
 _AT_REST = 0.1           # [rad/s] faster: somebody moves the arm
+_MOVES = 0.05            # [rad/s] faster: a motion that tells of a load (DESIGN section 6)
 _FRESH = 0.05            # [s] older joint states do not tell where a moving arm is
 _TIMEOUT = 0.5           # [s] without joint states: they have stopped
 
@@ -43,6 +44,15 @@ class MeasuredState:
     def stopped(self, now):
         """Tell whether no joint states come any more."""
         return self._age(now) > _TIMEOUT
+
+    def moves(self, now, joints):
+        """Tell whether one of joints (n,) bool is known to move."""
+        if not self.fresh(now):
+            return False
+        if np.isfinite(self.v).all():
+            return bool((np.abs(self.v[joints]) > _MOVES).any())
+        # Without velocities it is only known how far the fastest came.
+        return _MOVES < self._speed < np.inf
 
     def rests(self, now):
         """Tell whether the arm is known to stand."""

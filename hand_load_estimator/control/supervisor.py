@@ -97,7 +97,8 @@ class Supervisor:
 
     def residual(self, stamp, torque):
         """Take the residual torque (n,) [Nm] of `stamp` [s]."""
-        self.policy.residual(stamp)
+        if self.detector.judges(stamp):
+            self.policy.residual(stamp)
         self.detector.check(stamp, torque)
 
     def start(self):
@@ -135,10 +136,14 @@ class Supervisor:
             self._settle_step(now, ahead)
         if self._measured.q is None:
             return None
-        self.policy.update(now, self.moving)
+        # What was sent is no motion yet: under a protective stop nothing tells of the load.
+        self.policy.update(now, self._measured.moves(now, self._loaded()))
         out = self._act(now, ready)
         self._watch(now)
         return out
+
+    def _loaded(self):
+        return self.robot.gravity_loaded(self._measured.q)
 
     def _settle_step(self, now, step):
         """Tell a clock that went ahead from a stall: where is the arm on what was sent?"""
