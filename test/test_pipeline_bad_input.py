@@ -88,6 +88,49 @@ def test_a_gap_in_the_data_is_survived(model, stream, first, length):
     assert pipeline.rejected == ({'gap': 1} if length > 25 else {})
 
 
+@pytest.mark.parametrize('silence', [1.0, 7200.0])
+def test_after_a_long_silence_only_motion_tells_what_is_held(model, stream, silence):
+    """Within a second no hand has got another load; an arm that stands hides which it has."""
+    pipeline = warm(pipeline_of(model))
+    end = feed(pipeline, stream)[-1].stamp
+    another = messages(model, block(MASS + 0.4), 8.0, rest=4.0, seed=2)
+    later = [replace(m, stamp=m.stamp - another[0].stamp + end + silence) for m in another]
+    standing = [e for e in feed(pipeline, later) if e.stamp < end + silence + 3.9]
+    waits = [e.status == 'WAITING_FOR_MOTION' for e in standing]
+    assert standing and (all(waits) if silence > 3.0 else not any(waits))
+    if silence > 3.0:
+        assert not any(e.determined.any() for e in standing)
+        assert 'as it was 7200 s ago' in standing[-1].reason
+    last = pipeline.estimate(pipeline.last_stamp)
+    assert last.status == 'DETERMINED' and within(last, block(MASS + 0.4))
+    assert pipeline.load_id == 1
+
+
+def test_after_a_silence_the_same_load_is_confirmed_by_motion(model, stream):
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, [replace(m, stamp=m.stamp - 50.0) for m in stream])
+    estimates = feed(pipeline, [replace(m, stamp=m.stamp + 20.0) for m in stream])
+    told = [e.status for e in estimates]
+    assert told[0] == 'WAITING_FOR_MOTION' and told[-1] == 'DETERMINED'
+    assert 'WAITING_FOR_MOTION' not in told[told.index('DETERMINED'):]
+    assert pipeline.load_id == 0 and not pipeline.unconfirmed
+
+
+def test_what_another_arm_holds_is_not_believed_of_this_one(model, stream):
+    """A neighbour's driver was heard first; then this arm's own names come."""
+    pipeline = warm(pipeline_of(model))
+    last = feed(pipeline, [replace(m, names=tuple(f'left_{name}' for name in m.names))
+                           for m in stream])[-1]
+    assert last.status == 'DETERMINED' and np.isfinite(pipeline.temperature).all()
+    own = messages(model, block(MASS + 0.8), 4.0, rest=9.0, seed=2)
+    first, *_, last = feed(pipeline, [replace(m, stamp=m.stamp + stream[-1].stamp)
+                                      for m in own])
+    for estimate in (first, last):
+        assert estimate.status == 'WAITING_FOR_MOTION' and estimate.load_id == 1
+        assert estimate.std[0] > 0.3
+    assert not np.isfinite(pipeline.temperature).any()
+
+
 def test_without_velocities_and_temperatures_the_answer_is_wider_and_right(model, stream, clean):
     pipeline = pipeline_of(model)
     estimates = feed(pipeline, [replace(m, velocity=np.array([])) for m in stream])

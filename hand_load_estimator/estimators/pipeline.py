@@ -23,6 +23,8 @@ CHANGE_SHOWN = 1.0
 # Motion [s] after which a load that was restored from a file is the one still held: another one
 # is seen within 0.2 s nearly always.
 CONFIRMED_AFTER = 0.5
+# Silence [s] in which a hand may have got another load; a driver that falters is quicker.
+UNSEEN = 3.0
 
 
 class TareError(HandLoadError):
@@ -52,6 +54,7 @@ class Pipeline:
         self._stream = JointStream(model.robot)
         self._began, self._unwatched = False, None
         self._changes_before, self._restored, self._moved = 0, '', 0.0
+        self._changes_then = 0
         self._sample = self._suggester = self._fed = None
         self._estimate, self.estimates = None, 0
         self.residual = np.full(model.robot.n, np.nan)
@@ -108,7 +111,7 @@ class Pipeline:
 
     @property
     def unconfirmed(self):
-        """Whether the load was restored and may have been exchanged meanwhile."""
+        """Whether the load was restored or not heard of, and may have been exchanged meanwhile."""
         return bool(self._restored)
 
     @property
@@ -151,7 +154,12 @@ class Pipeline:
 
         What the estimate need not wait for is left to settle(), or else to the next message.
         """
+        arms = self._stream.arms
         sample = self._stream.joint_state(stamp, names, position, velocity, effort)
+        if 0 < arms < self._stream.arms:
+            # What the other arm holds says nothing of this one.
+            self._changes_before += 1
+            self.reset()
         if self._fed is None or self.last_stamp < self._fed:
             # Where it begins, or begins anew with another clock.
             self._fed = self.last_stamp
@@ -161,6 +169,8 @@ class Pipeline:
         if sample.fresh:
             self._follower.restart()
             return None
+        if self._began and sample.stamp - self._fed > UNSEEN:
+            self._doubt(f'as it was {sample.stamp - self._fed:.0f} s ago')
         self._sample, self._fed = sample, sample.stamp
         self.estimates += 1
         prediction = self._follower.update(sample)
@@ -176,10 +186,14 @@ class Pipeline:
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
 
+    def _doubt(self, told):
+        """Let nothing count as determined until motion tells; told: in words which load it is."""
+        self._restored, self._moved, self._changes_then = told, 0.0, self.method.changes
+
     def _confirm(self, moved):
-        """Tell by `moved` [s] of motion more whether what was restored is still held."""
+        """Tell by `moved` [s] of motion more whether what was in doubt is still held."""
         self._moved += moved
-        if self._moved >= CONFIRMED_AFTER or self.method.changes:
+        if self._moved >= CONFIRMED_AFTER or self.method.changes > self._changes_then:
             self._restored = ''
 
     def settle(self):
@@ -225,7 +239,7 @@ class Pipeline:
         self.watch.restore({name.removeprefix('watch_'): value
                             for name, value in watched.items()})
         self._changes_before = int(counts['load_id'])
-        self._restored, self._moved = told if counts['began'] else '', 0.0
+        self._doubt(told if counts['began'] else '')
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""

@@ -40,6 +40,11 @@ class JointStream:
         return self._guard.names
 
     @property
+    def arms(self):
+        """How often the joints were found behind another prefix: once for one arm."""
+        return len(self._guard.names.used)
+
+    @property
     def turns(self):
         """Whole turns (n,) [rad] that positions of samples are ahead of what is reported."""
         return 0.0 if self._guard.turns is None else self._guard.turns
@@ -76,7 +81,10 @@ class JointStream:
 
     def joint_state(self, stamp, names, position, velocity, effort):
         """Return a MotionSample when one is due, else None."""
+        arms = self.arms
         accepted = self._guard.accept(stamp, names, position, velocity, effort)
+        if 0 < arms < self.arms:
+            self._temperatures.forget()
         if accepted is None:
             return None
         if self._guard.restarted:

@@ -99,6 +99,10 @@ class JointTemperatures:
         expires = -np.inf if self._now is None else self._now + TEMPERATURE_LIFE
         self._none_expires_before = min(self._none_expires_before, expires)
 
+    def forget(self):
+        """Forget all readings, as of another arm."""
+        self.values[:], self._read_at[:] = np.nan, -np.inf
+
     def expire(self, now):
         """Forget what was read too long before `now` [s]."""
         if self._now is not None and now < self._now:
