@@ -267,7 +267,7 @@ def test_e10_1_artefact_is_small_readable_and_bound_to_its_model(folder):
 
 @pytest.mark.parametrize('key, value', [
     ('schema', 'other'), ('joints', ['a']), ('effort_kind', 'link_torque'),
-    ('function', 'magic'), ('inputs', ['colour'])])
+    ('function', 'magic'), ('function', ['gp']), ('inputs', ['colour']), ('inputs', [['gp']])])
 def test_a_card_that_does_not_fit_is_refused(folder, tmp_path, key, value):
     card = json.loads((folder / CARD).read_text())
     (tmp_path / CARD).write_text(json.dumps({**card, key: value}))

@@ -107,7 +107,7 @@ def test_the_card_decides_which_artefact_is_found(tmp_path, robot, artefact, mon
         assert build_method(model, ModelFollower(model).uncertainties, name).name == becomes
 
 
-@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'learns', 'a NaN',
+@pytest.mark.parametrize('how', ['network', 'joints', 'design', 'copies', 'learns', 'a NaN',
                                  'a tensor missing',
                                  'factors of nothing', 'joints of another robot'])
 def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
@@ -123,6 +123,8 @@ def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, robot, how):
         del card['learns']   # As of networks that answered the centre itself.
     elif how == 'design':
         del card['recipe']['design']['hidden'], card['recipe']['design']['network']
+    elif how == 'copies':
+        card['recipe']['design']['copies'] = '16'
     elif how == 'joints of another robot':
         card['recipe']['design']['joints'] = ['a', 'j1', 'j2', 'j3']
     elif how == 'a tensor missing':

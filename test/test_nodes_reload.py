@@ -53,6 +53,7 @@ def files(tmp_path):
     write_model(tmp_path / 'ur10.yaml', replace(right, robot=another_arm(right.robot, UR10)))
     (tmp_path / 'text.yaml').write_text('schema: something\n')
     (tmp_path / 'broken.yaml').write_text('schema: [1, 2\n')
+    (tmp_path / 'date.yaml').write_text('diagnosed: 2024-13-45\n')
     return tmp_path
 
 
@@ -171,6 +172,7 @@ def test_a_model_that_does_not_fit_is_refused(estimator, feeder, listener, files
     for name, said in (('joints.yaml', 'another robot'), ('current.yaml', 'motor_current'),
                        ('ur10.yaml', '24 mm from where ur10e'),
                        ('text.yaml', 'schema'), ('broken.yaml', 'not YAML'),
+                       ('date.yaml', 'not YAML'),
                        ('nowhere.yaml', 'nowhere'), ('x' * 5000, ''), ('.', '')):
         estimator.set_model(files / name)
         answer = estimator.reload()

@@ -170,6 +170,19 @@ def test_of_what_came_long_before_a_contact_nothing_is_left_out(model):
     assert len(regression._recent.pieces) == kept - 1, 'an arm that has stood'
 
 
+def test_a_clock_that_is_set_back_does_not_keep_what_begins_a_contact(model):
+    pipeline = warm(pipeline_of(model))
+    stream = messages(model, block(MASS), 6.0)
+    feed(pipeline, stream)
+    regression, end = pipeline.method._regression, stream[-1].stamp
+    regression.drop_newest(end)
+    back = [replace(m, stamp=m.stamp - 50.0) for m in messages(model, block(MASS), 3.0, seed=4)]
+    feed(pipeline, back)
+    kept = len(regression._recent.pieces)
+    regression.drop_newest(back[-1].stamp)
+    assert len(regression._recent.pieces) == kept - 1
+
+
 def stopping(model, load, at, stands):
     """Return Messages of an arm that moves like swing(), and comes to rest from `at` [s] on."""
     robot, rng = model.robot, np.random.default_rng(8)

@@ -176,7 +176,8 @@ def test_a_floating_joint_is_refused():
 
 
 @pytest.mark.parametrize('text, what', [
-    ('- j0\n- j1\n', 'not a mapping'), ('name: [\n', 'not YAML'), ('', 'not a mapping')])
+    ('- j0\n- j1\n', 'not a mapping'), ('name: [\n', 'not YAML'), ('', 'not a mapping'),
+    ('built: 2024-13-45\n', 'not YAML.*month'), ('a: ' + 2000 * '[', 'not YAML')])
 def test_what_is_no_mapping_is_refused(tmp_path, text, what):
     path = tmp_path / 'arm.yaml'
     path.write_text(text)

@@ -298,10 +298,11 @@ class LoadRegression:
 
     def drop_newest(self, stamp):
         """Forget the last moments of motion before a stamp [s]: a contact has begun in them."""
-        if stamp - self._dropped < ONCE_IN:
+        # An earlier stamp is of a clock that was set back.
+        if 0.0 <= stamp - self._dropped < ONCE_IN:
             return
         self._dropped = stamp
-        self._recent.drop_newest(last=stamp - self._ended < ONSET)
+        self._recent.drop_newest(last=0.0 <= stamp - self._ended < ONSET)
         if self._watch:
             self.trust.drop_windows()
         self._forget_windows()

@@ -19,7 +19,8 @@ def read_yaml(path):
                                  todo='give the path of a readable YAML file') from None
     try:
         content = yaml.load(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
-    except yaml.YAMLError as error:
+    # A date that no calendar has, or a number of no base, is a plain ValueError.
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         reason = ' '.join(str(error).split())
         raise ConfigurationError(path, f'is not YAML ({reason})') from None
     if not isinstance(content, dict):

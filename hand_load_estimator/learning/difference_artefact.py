@@ -109,11 +109,12 @@ def _check_card(path, card, model):
             ('model', model_digest(model), 'corrects another torque model')):
         if card.get(key) != own:
             raise ConfigurationError(path, what, card.get(key), own, AGAIN)
-    if card.get('function') not in PREDICTORS:
+    if card.get('function') not in list(PREDICTORS):
         raise ConfigurationError(path, 'names an unknown function', card.get('function'),
                                  ', '.join(PREDICTORS), AGAIN)
     names = card.get('inputs')
-    if not isinstance(names, list) or not names or not set(names) <= set(INPUTS):
+    if not isinstance(names, list) or not names \
+            or not all(name in list(INPUTS) for name in names):
         raise ConfigurationError(path, 'names unknown inputs', names, ', '.join(INPUTS), AGAIN)
 
 

@@ -8,7 +8,7 @@ import torch
 
 from ..errors import ConfigurationError
 from .artefact import CARD, read_files, write_files
-from .direct_design import Design
+from .direct_design import Design, SIZES
 from .direct_network import build_network
 from .fingerprint import fingerprint_of
 from .first_moments import LEARNS
@@ -69,5 +69,11 @@ def _design(card, robot):
     content = card['recipe']['design']
     if not set(content['joints']) <= set(robot.joints):
         raise ValueError('it reads joints that the robot does not have')
-    return Design(**{**content, 'joints': tuple(content['joints']),
-                     'parameters': tuple(content['parameters'])})
+    design = Design(**{**content, 'joints': tuple(content['joints']),
+                       'parameters': tuple(content['parameters'])})
+    for name, (least, most) in {**SIZES, 'copies': (2, 1000)}.items():
+        if not isinstance(value := getattr(design, name), int) or not least <= value <= most:
+            raise ValueError(f'{name} is {value!r}')
+    if not 0.0 <= design.thinned < 1.0:
+        raise ValueError(f'thinned is {design.thinned!r}')
+    return design

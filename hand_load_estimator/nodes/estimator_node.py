@@ -14,7 +14,6 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
@@ -262,8 +261,8 @@ class EstimatorNode(Node):
             new = build_from_parameters(values)
             new.take_over(old)
             self._use(new)
-        # A path nobody can have, as of an unknown user or too long, is found out by the system.
-        except (HandLoadError, OSError, RuntimeError) as error:
+        # Whatever is wrong with the files, the old model is at work and shall stay so.
+        except Exception as error:
             response.success = False
             response.message = (f'{_one_sentence(error)}; the model that was read from '
                                 f'{old.model_file} stays at work')

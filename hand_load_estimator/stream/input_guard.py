@@ -35,6 +35,7 @@ class InputGuard:
         self.names = ArmNames(robot.joints)
         self._course = Continuity(SPEED_MARGIN * robot.limits.velocity, robot.turning)
         self._velocities, self._frozen = Velocities(len(robot.joints)), Frozen()
+        self._has_velocities = False
         self.rejected, self.last_stamp = Counter(), None
         self.use(robot)
 
@@ -88,8 +89,9 @@ class InputGuard:
         """
         Return (3, n): q, v, effort, or None.
 
-        v is NaN where the message has no velocity, or only NaN as ros2_control fills in where a
-        joint has no such interface, or is always zero (velocities.py). q is as reported;
+        v is NaN where the message has no velocity, or NaN as ros2_control fills in where a joint
+        has no such interface (all are done without, then, unless all have been measured before),
+        or is always zero (velocities.py). q is as reported;
         `turns` is what it has been turned on beyond that. `restarted` tells whether the clock or
         the arm jumped before this message.
         """
@@ -98,6 +100,7 @@ class InputGuard:
         index = self.names.index(names, stamp, whole)
         if self.names.prefix != before:
             self._course.forget()
+            self._has_velocities = False
         if index is None:
             return None
         if isinstance(index, str):
@@ -109,12 +112,14 @@ class InputGuard:
         # One look at everything: this runs a thousand times a second, where all() and any() cost
         # as much again as what they look at. NaN is within nothing.
         within = (signal >= self._least) & (signal <= self._most)
-        if not len(velocity) or (math.isnan(signal[1, 0]) and np.isnan(signal[1]).all()):
+        if not len(velocity) or (math.isnan(signal[1, 0]) and np.isnan(signal[1]).all()) or (
+                not self._has_velocities and np.isnan(signal[1]).any()):
             signal[1], within[1] = np.nan, True
         if np.count_nonzero(within) < within.size or not math.isfinite(stamp):
             return self._reject(self._fault(stamp, signal, within))
         if not self._forward(stamp):
             return None
+        self._has_velocities = self._has_velocities or not math.isnan(signal[1, 0])
         self._frozen.look(stamp, signal)
         if not self._course.follow(stamp, signal[0]):
             return self._reject('position_jump')
