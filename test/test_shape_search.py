@@ -2,6 +2,7 @@
 
 from core_helpers import four_axes
 import numpy as np
+import pytest
 from test_identification import Made, TRUE_SHAPE
 
 from hand_load_estimator.identification.shape_search import search_shapes
@@ -18,3 +19,18 @@ def test_a_power_of_turning_is_found_with_its_travel(monkeypatch):
     turning = [u.shape for u in uses if u.name == 'presliding_hysteresis']
     assert [shape['power'] for shape in turning] == [1.5] * 4
     np.testing.assert_allclose([s['presliding_distance'] for s in turning], 8e-4, rtol=0.15)
+
+
+@pytest.mark.parametrize('seed', [1, 2])
+def test_where_nothing_tells_how_far_friction_turns_it_turns_at_once(monkeypatch, seed):
+    """A travel by chance excuses what turns from the fit, and friction is then off there."""
+    monkeypatch.setitem(TRUE_SHAPE, 'presliding_distance', 5e-5)
+    robot = four_axes()
+    noisy = (0.2 * robot.limits.torque.max()) ** 2 * 0.02
+    made = Made(robot, seed=seed, density=noisy, recordings=2, seconds=15.0)
+    uses = tuple(EffectUse(u.name, u.joint) for u in made.uses)
+    for again in (False, True):
+        uses = search_shapes(robot, uses, made.evidence, made.x, np.full(robot.n, noisy),
+                             0.04 * robot.limits.torque, again)
+    travels = [u.shape['presliding_distance'] for u in uses if u.name == 'presliding_hysteresis']
+    assert max(travels) < 3e-4

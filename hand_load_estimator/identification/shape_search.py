@@ -17,6 +17,9 @@ AROUND, LONGER = (1.0, 0.75, 0.87, 1.15, 1.33), 1.7
 # Nats that another value than the default must gain, instead of what a Shape asks for: how
 # friction turns is looked for where it turns, and shows there.
 PRICES = {'power': 1.0}
+# Nats that a travel must gain to be e times as long. Where recordings do not tell it, chance would
+# take a long one, which excuses more samples from the fit: friction is then off while it turns.
+EXCUSED = 2.0
 
 
 def search_shapes(robot, uses, evidence, x, intensity, friction, again=False):
@@ -92,7 +95,9 @@ def _systems(robot, tried, evidence, x, name):
 
 
 def _price(shape, values):
-    """Return the nats that a value of a Shape must gain beyond the default."""
+    """Return the nats that a value of a Shape must gain beyond the default, or the shortest."""
+    if shape.name == TRAVEL:
+        return EXCUSED * np.log(values[TRAVEL] / shape.grid[0])
     return 0.0 if values[shape.name] == shape.default else PRICES.get(shape.name, shape.gain)
 
 
