@@ -62,8 +62,8 @@ def _temperature_connections(bag, path, joint_states, topic):
         return _connections(bag, path, topic, (TEMPERATURE_TYPE, DYNAMIC_TYPE), True, otherwise)
     # A driver in a namespace has both of its topics there, a node beside it may not.
     places = f'{joint_states.rpartition("/")[0]}/', ''
-    found = [_connections(bag, path, place + topic, (TEMPERATURE_TYPE,), False, otherwise)
-             for place in places]
-    broadcast = [[c for c in _named(bag, place + DYNAMIC_JOINT_STATES)
-                  if c.msgtype == DYNAMIC_TYPE] for place in places]
-    return (found[0] or found[1]) + (broadcast[0] or broadcast[1])
+    told = (_connections(bag, path, place + topic, (TEMPERATURE_TYPE,), False, otherwise)
+            for place in places)
+    broadcast = ([c for c in _named(bag, place + DYNAMIC_JOINT_STATES)
+                  if c.msgtype == DYNAMIC_TYPE] for place in places)
+    return next(filter(None, told), []) + next(filter(None, broadcast), [])

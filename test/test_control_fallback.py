@@ -101,6 +101,15 @@ def test_an_expected_change_that_did_not_happen_is_believed_after_motion():
     assert feed.run(0.2, moving=True).trusted
 
 
+def test_motion_that_the_estimator_said_nothing_of_confirms_nothing():
+    feed = Feed()
+    feed.run(1.0)
+    feed.policy.expect_change()
+    feed.run(2.0, status=None, moving=True)
+    assert not feed.run(0.4, moving=True).trusted
+    assert feed.run(0.2, moving=True).trusted
+
+
 def test_a_clock_that_jumps_back_does_not_trust_the_future():
     feed = Feed()
     feed.run(1.0)

@@ -1,5 +1,7 @@
 """Stops of the cycle against a fake arm: collisions and what is none, silence, an arm held."""
 
+from types import SimpleNamespace
+
 from control_helpers import covariance_of, FakeArm, FAR_PLACE, HOME, load_vector
 import numpy as np
 import pytest
@@ -142,6 +144,37 @@ def test_an_arm_held_after_the_grip_has_not_shown_what_it_holds():
     assert np.abs(cell.arm.state(cell.now)[1]).max() > 0.1
 
 
+@pytest.mark.parametrize('joint, velocities, trusted', [
+    (1, True, True), (5, True, False), (1, False, True), (5, False, False)])
+def test_only_joints_that_carry_the_load_confirm_it(joint, velocities, trusted):
+    """With and without measured velocities; the last joint of this arm carries none."""
+    cell = Cell()
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'at_pick')
+    supervisor, q = cell.supervisor, cell.arm.state(cell.now)[0]
+    v = 0.3 * (np.arange(6) == joint)
+    supervisor.policy.expect_change()
+    supervisor._run = SimpleNamespace()    # A motion is under way.
+    for k in range(1, 101):
+        now = cell.now + 0.01 * k
+        supervisor.measured(now, q + 0.01 * k * v, v if velocities else np.full(6, np.nan))
+        supervisor.policy.estimate(now, load_vector(0.0), covariance_of(0.05, 0.005))
+        supervisor.policy.status(now, 'DETERMINED', supervisor.policy._load_id)
+        supervisor.policy.residual(now)
+        supervisor.policy.update(now, supervisor._shows_load(now))
+    assert (supervisor.policy.belief.source == 'estimate') == trusted
+
+
+def test_a_motion_while_the_hand_grips_tells_of_before():
+    cell = Cell()
+    assert cell.run(30.0, lambda c: c.supervisor.phase == 'at_pick')
+    supervisor, (q, _, _) = cell.supervisor, cell.arm.state(cell.now)
+    now = cell.now + 0.01
+    supervisor.measured(now, q, 0.3 * (np.arange(6) == 1))
+    supervisor.policy.expect_change()
+    assert supervisor.policy.expecting and not supervisor.moving
+    assert not supervisor._shows_load(now)
+
+
 @pytest.mark.parametrize('ahead, judged', [(0.03, True), (0.06, False), (0.19, False)])
 def test_residual_torques_that_cannot_be_judged_do_not_count_as_heard(ahead, judged):
     """Of a stamp ahead of all that is expected by now nobody knows what was expected."""
@@ -150,7 +183,7 @@ def test_residual_torques_that_cannot_be_judged_do_not_count_as_heard(ahead, jud
     cell.supervisor.residual = lambda now, torque: heard(now + ahead, torque)
     assert cell.run(20.0, lambda c: c.supervisor.phase == 'to_pick')
     cell.run(0.3)
-    assert bool(cell.supervisor.policy.blind) != judged
+    assert ('nothing is expected' in cell.supervisor.policy.blind) != judged
     cell.arm.push = np.array([0.0, 0.0, 200.0, 0.0, 0.0, 0.0])
     assert cell.run(1.0, lambda c: c.supervisor.phase == 'stopped') == judged
 

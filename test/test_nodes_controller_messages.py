@@ -21,7 +21,8 @@ def test_a_cycle_is_not_held_up_by_a_wall_clock_that_is_set_back(simulated, cloc
     code = ('import rclpy, sys\n'
             'from hand_load_estimator.nodes.controller_node import ControllerNode\n'
             'rclpy.init(args=sys.argv)\n'
-            'periods = {t.timer_period_ns: t.clock.clock_type.name for t in ControllerNode().timers}\n'
+            'periods = {t.timer_period_ns: t.clock.clock_type.name\n'
+            '           for t in ControllerNode().timers}\n'
             'print(periods[min(periods)])')
     done = subprocess.run(
         [sys.executable, '-c', code, '--ros-args', '--params-file', CONTROLLER_YAML,

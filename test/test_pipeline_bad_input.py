@@ -122,13 +122,38 @@ def test_what_another_arm_holds_is_not_believed_of_this_one(model, stream):
     last = feed(pipeline, [replace(m, names=tuple(f'left_{name}' for name in m.names))
                            for m in stream])[-1]
     assert last.status == 'DETERMINED' and np.isfinite(pipeline.temperature).all()
-    own = messages(model, block(MASS + 0.8), 4.0, rest=9.0, seed=2)
-    first, *_, last = feed(pipeline, [replace(m, stamp=m.stamp + stream[-1].stamp)
-                                      for m in own])
-    for estimate in (first, last):
-        assert estimate.status == 'WAITING_FOR_MOTION' and estimate.load_id == 1
-        assert estimate.std[0] > 0.3
+    pipeline.tare(last.stamp)
+    own = [replace(m, stamp=m.stamp + stream[-1].stamp)
+           for m in messages(model, block(MASS + 0.8), 8.0, rest=4.0, seed=2)]
+    broken = replace(own[0], stamp=own[0].stamp - 0.01, position=np.full(4, NAN))
+    # A state that cannot be used tells of no arm.
+    assert not feed(pipeline, [broken]) and pipeline.load_id == 0 and pipeline.tared_mass > 0.5
+    first, *_ = estimates = feed(pipeline, own)
+    standing = [e for e in estimates if e.stamp < own[0].stamp + 3.9]
+    assert first in standing and {e.status for e in standing} == {'WAITING_FOR_MOTION'}
+    assert {e.load_id for e in estimates} == {1} and min(e.std[0] for e in standing) > 0.3
     assert not np.isfinite(pipeline.temperature).any()
+    # Nor does what was tared on the other.
+    assert pipeline.tared_mass == 0.0 and within(estimates[-1], block(MASS + 0.8))
+
+
+def test_while_nothing_comes_what_was_determined_is_so_for_seconds(model, stream):
+    pipeline = warm(pipeline_of(model))
+    end = feed(pipeline, stream)[-1].stamp
+    for later, determined in ((1.0, True), (4.0, False)):
+        estimate = pipeline.estimate(end + later)
+        assert estimate.status == 'STALE_INPUT' and estimate.determined[0] == determined
+
+
+def test_nobody_knows_how_long_a_clock_was_off_that_begins_anew(model, stream):
+    pipeline = warm(pipeline_of(model))
+    feed(pipeline, stream)
+    another = messages(model, block(MASS + 0.4), 8.0, rest=4.0, seed=2)
+    estimates = feed(pipeline, [replace(m, stamp=m.stamp - another[0].stamp) for m in another])
+    standing = [e for e in estimates if e.stamp < 3.9]
+    assert standing and {e.status for e in standing} == {'WAITING_FOR_MOTION'}
+    assert 'before the clock was set back' in standing[-1].reason
+    assert estimates[-1].status == 'DETERMINED' and within(estimates[-1], block(MASS + 0.4))
 
 
 def test_without_velocities_and_temperatures_the_answer_is_wider_and_right(model, stream, clean):

@@ -72,6 +72,14 @@ def test_those_beside_the_joint_states_come_first(tmp_path, place, celsius):
     assert not read_recording(folder, 'left/joint_states', 'none').temperature_samples
 
 
+def test_where_temperatures_are_beside_the_joint_states_others_do_not_matter(tmp_path):
+    folder = bag(tmp_path / 'bag', {
+        '/left/joint_states': (JOINT_STATE, 0.0), '/left/joint_temperatures': (TEMPERATURE, 30.0),
+        '/joint_temperatures': (JOINT_STATE, 0.0)}, 0.1)
+    told = read_recording(folder, 'left/joint_states').temperature_samples
+    assert {s.value for s in told} == {30.0}
+
+
 def test_another_type_under_that_name_is_nobodys_temperature(tmp_path):
     folder = bag(tmp_path / 'bag', {'/joint_states': (JOINT_STATE, 0.0),
                                     '/dynamic_joint_states': (JOINT_STATE, 0.0)}, 0.1)

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from test_identification import Made, TRUE_SHAPE
 
-from hand_load_estimator.identification.shape_search import search_shapes
+from hand_load_estimator.identification.shape_search import (_price, EXCUSED, LONGER,
+                                                             search_shapes, TRAVEL)
 from hand_load_estimator.torque.columns import EffectUse
 
 
@@ -19,6 +20,16 @@ def test_a_power_of_turning_is_found_with_its_travel(monkeypatch):
     turning = [u.shape for u in uses if u.name == 'presliding_hysteresis']
     assert [shape['power'] for shape in turning] == [1.5] * 4
     np.testing.assert_allclose([s['presliding_distance'] for s in turning], 8e-4, rtol=0.15)
+
+
+def test_travels_alike_cost_alike_and_none_gains_by_being_short():
+    use = EffectUse('presliding_hysteresis', 0)
+    travel = next(s for s in use.effect.shapes if s.name == TRAVEL)
+    plain, bent = ({**use.shape, TRAVEL: 2e-3 * times, 'power': power}
+                   for power, times in ((np.inf, 1.0), (1.5, LONGER)))
+    assert _price(travel, plain) == pytest.approx(_price(travel, bent)) and plain != bent
+    assert _price(travel, plain) == pytest.approx(EXCUSED * np.log(10.0))
+    assert _price(travel, {**plain, TRAVEL: 1e-5}) == 0.0
 
 
 @pytest.mark.parametrize('seed', [1, 2])

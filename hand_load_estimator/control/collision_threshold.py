@@ -137,11 +137,10 @@ class CollisionDetector:
 
     def judges(self, stamp):
         """Tell whether it is known what was expected of a residual torque of `stamp` [s]."""
-        return bool(self._stretch(stamp))
+        return any(self._is_of(t, stamp) for t, _ in reversed(self._history))
 
-    def _stretch(self, stamp):
-        return [entry for t, entry in self._history
-                if -self._settings.delay <= t - stamp <= 1e-3]
+    def _is_of(self, time, stamp):
+        return -self._settings.delay <= time - stamp <= 1e-3
 
     def check(self, stamp, residual):
         """
@@ -150,7 +149,7 @@ class CollisionDetector:
         The residual is a filtered torque: it belongs to a stretch of `delay` before its stamp,
         so what is expected may be anything expected during it.
         """
-        stretch = self._stretch(stamp)
+        stretch = [entry for t, entry in self._history if self._is_of(t, stamp)]
         if not stretch or stamp < self._deaf_until or not np.isfinite(residual).all():
             return self.collided
         expected = np.array([entry.expected for entry in stretch])

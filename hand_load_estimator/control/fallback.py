@@ -62,6 +62,7 @@ class LoadPolicy:
         self._estimate, self._estimate_time = None, -np.inf
         self._status, self._status_time, self._load_id = 'NO_DATA', -np.inf, None
         self._residual_stamp, self.blind = -np.inf, 'no residual torque has arrived'
+        self._unjudged = False
         self._expected_after, self._moved, self._now = None, 0.0, None
         self.known, self._known_mass = np.zeros(10), 0.0
         self.caution, self.reason = 1.0, 'no estimate has arrived'
@@ -87,9 +88,16 @@ class LoadPolicy:
         if status not in TRUSTED:
             self._distrust(f'the estimator says {status}')
 
-    def residual(self, stamp):
-        """Note that a residual torque of `stamp` [s] has arrived and can be judged."""
-        self._residual_stamp = stamp
+    def residual(self, stamp, judged=True):
+        """Note that a residual torque of `stamp` [s] has arrived, and whether it can be judged."""
+        self._unjudged = not judged
+        if judged:
+            self._residual_stamp = stamp
+
+    @property
+    def expecting(self):
+        """Whether the load is about to change, or has, and nothing has told of it yet."""
+        return self._expected_after is not None
 
     def expect_change(self):
         """
@@ -104,10 +112,10 @@ class LoadPolicy:
         """Judge the estimate at `now` [s]; moving: whether a joint that carries the load does."""
         step = 0.0 if self._now is None else max(0.0, now - self._now)
         self._now = now
-        if moving and self._status in TRUSTED:
-            self._moved += step
-        self.blind = self._judge_residual(now)
-        reason = self._judge(now) or self.blind
+        self.blind, unheard = self._judge_residual(now), self._judge_age(now)
+        # What nobody estimated from tells nothing.
+        self._moved = 0.0 if unheard else self._moved + step * moving
+        reason = unheard or self._judge() or self.blind
         if reason:
             self._distrust(reason)
             return
@@ -118,14 +126,15 @@ class LoadPolicy:
     def _distrust(self, reason):
         self.reason, self.caution = reason, 1.0
 
-    def _judge(self, now):
+    def _judge_age(self, now):
         if self._estimate is None:
             return 'no estimate has arrived'
         for what, since in (('estimate', self._estimate_time), ('status', self._status_time)):
             if not -self._settings.timeout <= now - since <= self._settings.timeout:
                 return f'the last {what} is {now - since:.2f} s old'
-        if self._status not in TRUSTED:
-            return f'the estimator says {self._status}'
+        return '' if self._status in TRUSTED else f'the estimator says {self._status}'
+
+    def _judge(self):
         # A mass that is no number is not known here either.
         apart = abs(self.known[0] - self._known_mass)
         if not apart <= _SAME_MASS * max(1.0, abs(self._known_mass)):
@@ -140,6 +149,9 @@ class LoadPolicy:
 
     def _judge_residual(self, now):
         age = now - self._residual_stamp
+        if self._unjudged and not 0.0 <= age <= self._settings.residual_timeout:
+            return ('residual torques arrive with stamps for which nothing is expected: no '
+                    'collision would be noticed')
         if np.isinf(age):
             return 'no residual torque has arrived'
         if abs(age) > self._settings.residual_timeout:

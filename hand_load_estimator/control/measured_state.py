@@ -18,20 +18,25 @@ class MeasuredState:
     def __init__(self):
         self.q = self.v = None
         self._at = self._earlier = None
-        self._speed = np.inf
+        self._speeds = self._apart = None
         self.count = 0
 
     def take(self, now, q, v):
         """Take q and v measured at `now` [s]."""
         self.q, self.v, self._at = q, v, now
         self.count += 1
-        if np.isfinite(v).all():
-            self._speed = np.max(np.abs(v))
-        elif self._earlier is None or not 0.0 <= now - self._earlier[0] < _TIMEOUT:
-            self._earlier, self._speed = (now, q), np.inf
+        unknown, self._speeds = np.isnan(v), np.abs(v)
+        if unknown.any():
+            self._tell_apart(now, q)
+            self._speeds = np.where(unknown, self._apart, self._speeds)
+
+    def _tell_apart(self, now, q):
+        """Tell by positions some time apart how fast joints are whose velocity is unknown."""
+        if self._earlier is None or not 0.0 <= now - self._earlier[0] < _TIMEOUT:
+            self._earlier, self._apart = (now, q), np.full(len(q), np.inf)
         elif now - self._earlier[0] >= _FRESH:
-            moved = np.max(np.abs(q - self._earlier[1]))
-            self._earlier, self._speed = (now, q), moved / (now - self._earlier[0])
+            moved = np.abs(q - self._earlier[1])
+            self._earlier, self._apart = (now, q), moved / (now - self._earlier[0])
 
     def at(self, now):
         """Return where the arm is by now (n,), should its velocity be known and still hold."""
@@ -49,14 +54,12 @@ class MeasuredState:
         """Tell whether one of joints (n,) bool is known to move."""
         if not self.fresh(now):
             return False
-        if np.isfinite(self.v).all():
-            return bool((np.abs(self.v[joints]) > _MOVES).any())
-        # Without velocities it is only known how far the fastest came.
-        return _MOVES < self._speed < np.inf
+        speeds = self._speeds[joints]
+        return bool(((speeds > _MOVES) & (speeds < np.inf)).any())
 
     def rests(self, now):
         """Tell whether the arm is known to stand."""
-        return not self.stopped(now) and self._speed < _AT_REST
+        return not self.stopped(now) and self._speeds.max() < _AT_REST
 
     def clock_went(self, now, step):
         """Count what was measured on the clock before it went by step [s] to `now`."""

@@ -97,8 +97,7 @@ class Supervisor:
 
     def residual(self, stamp, torque):
         """Take the residual torque (n,) [Nm] of `stamp` [s]."""
-        if self.detector.judges(stamp):
-            self.policy.residual(stamp)
+        self.policy.residual(stamp, self.detector.judges(stamp))
         self.detector.check(stamp, torque)
 
     def start(self):
@@ -136,14 +135,20 @@ class Supervisor:
             self._settle_step(now, ahead)
         if self._measured.q is None:
             return None
-        # What was sent is no motion yet: under a protective stop nothing tells of the load.
-        self.policy.update(now, self._measured.moves(now, self._loaded()))
+        self.policy.update(now, self._shows_load(now))
         out = self._act(now, ready)
         self._watch(now)
         return out
 
-    def _loaded(self):
-        return self.robot.gravity_loaded(self._measured.q)
+    def _shows_load(self, now):
+        """
+        Tell whether a motion under way shows what the hand took.
+
+        What was sent is none yet: a protective stop may hold the arm. What somebody else does
+        while the hand grips tells of before.
+        """
+        return self._run is not None and self.policy.expecting and self._measured.moves(
+            now, self.robot.gravity_loaded(self._measured.q))
 
     def _settle_step(self, now, step):
         """Tell a clock that went ahead from a stall: where is the arm on what was sent?"""

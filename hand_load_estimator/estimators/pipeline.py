@@ -58,6 +58,7 @@ class Pipeline:
         self._sample = self._suggester = self._fed = None
         self._estimate, self.estimates = None, 0
         self.residual = np.full(model.robot.n, np.nan)
+        self._unheard = method.state()
 
     @property
     def rejected(self):
@@ -111,7 +112,7 @@ class Pipeline:
 
     @property
     def unconfirmed(self):
-        """Whether the load was restored or not heard of, and may have been exchanged meanwhile."""
+        """Whether the load is of before a restart or silence, and may be another by now."""
         return bool(self._restored)
 
     @property
@@ -157,12 +158,12 @@ class Pipeline:
         arms = self._stream.arms
         sample = self._stream.joint_state(stamp, names, position, velocity, effort)
         if 0 < arms < self._stream.arms:
-            # What the other arm holds says nothing of this one.
-            self._changes_before += 1
-            self.reset()
+            self._begin_anew()
         if self._fed is None or self.last_stamp < self._fed:
-            # Where it begins, or begins anew with another clock.
+            # Where it begins, or begins anew with another clock: nobody knows how much later.
             self._fed = self.last_stamp
+            if self._began:
+                self._doubt('as it was before the clock was set back')
         if sample is None:
             return None
         self._watch_residual()
@@ -185,6 +186,14 @@ class Pipeline:
         self._unwatched = sample, prediction
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
+
+    def _begin_anew(self):
+        """Forget what is of another arm: its load, what was tared on it, how its model does."""
+        told, self._unwatched = self.load_id, None
+        self.method.restore(self._unheard)
+        self.watch = ResidualWatch(self.model.robot.joints, self.model.residuals.intensity)
+        self._changes_before = told + 1 - self.method.changes
+        self.reset()
 
     def _doubt(self, told):
         """Let nothing count as determined until motion tells; told: in words which load it is."""
@@ -247,8 +256,8 @@ class Pipeline:
         if last is None:
             return self._say(now, belief, 'NO_DATA', self.why_none, self._determined(belief))
         if now - self._fed > self._stale_after:
-            return self._say(last, belief, 'STALE_INPUT', self._why_stale(now),
-                             self._determined(belief))
+            determined = self._determined(belief) & (now - self._fed <= UNSEEN)
+            return self._say(last, belief, 'STALE_INPUT', self._why_stale(now), determined)
         return self._estimate or self._labelled(last, belief)
 
     def _why_stale(self, now):

@@ -97,7 +97,9 @@ def _systems(robot, tried, evidence, x, name):
 def _price(shape, values):
     """Return the nats that a value of a Shape must gain beyond the default, or the shortest."""
     if shape.name == TRAVEL:
-        return EXCUSED * np.log(values[TRAVEL] / shape.grid[0])
+        # With another power a travel as long as this one is LONGER.
+        travel = values[TRAVEL] / (1.0 if np.isinf(values['power']) else LONGER)
+        return EXCUSED * max(np.log(travel / shape.grid[0]), 0.0)
     return 0.0 if values[shape.name] == shape.default else PRICES.get(shape.name, shape.gain)
 
 

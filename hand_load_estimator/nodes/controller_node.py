@@ -60,7 +60,7 @@ class ControllerNode(Node):
         self._temperatures = JointTemperatures(self._robot.joints)
         self._supervisor.temperature = self._temperatures.values
         self._pairing, self._ticks = LoadPairing(), 0
-        self._said = {}
+        self._said, self._arms = {}, 0
         self._create_outputs()
         self._create_inputs(values)
         self._create_diagnostics()
@@ -128,6 +128,9 @@ class ControllerNode(Node):
                                       [0.0] * len(message.name))
         if accepted is None:
             return
+        if 0 < self._arms < len(self._guard.names.used):
+            self._temperatures.forget()
+        self._arms = len(self._guard.names.used)
         q, v, _ = accepted
         if self._no_clock:
             return

@@ -2,7 +2,9 @@
 
 import sys
 import time
+import traceback
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import InertiaStamped
 from rclpy.clock import Clock
@@ -14,6 +16,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
+from ..errors import HandLoadError
 from ..estimators.build import build_pipeline
 from ..estimators.impossible_mass import impossible_mass
 from ..estimators.pipeline import TareError
@@ -57,6 +60,10 @@ def limits_from_parameters(values, pipeline):
     return other_limits(pipeline.model.robot, load_robot(robot))
 
 
+# A path nobody can have, as of an unknown user or too long, is found out by the system.
+_WRONG_FILES = HandLoadError, OSError, RuntimeError
+
+
 def _one_sentence(error):
     return ' '.join(str(error).split())
 
@@ -87,6 +94,7 @@ class EstimatorNode(Node):
         self.create_timer(_CHECKPOINT_PERIOD, lambda: self._checkpoint.keep(self._pipeline),
                           clock=steady)
         self._create_diagnostics()
+        self._known_told = None
         self._publish_known_load()
         self.get_logger().info(f'estimating the load of {self._robot.name} with '
                                f'{self._pipeline.method.name}, {told_of_model(self._pipeline)}; '
@@ -196,6 +204,9 @@ class EstimatorNode(Node):
 
     def _publish_status(self):
         self._told_lately = True
+        if not np.array_equal(self._known_told, self._pipeline.known_load):
+            # What was tared is another arm's.
+            self._publish_known_load()
         estimate, age = self._current()
         self._last_status = (estimate.status, estimate.load_id)
         name = self.get_fully_qualified_name().lstrip('/')
@@ -259,15 +270,19 @@ class EstimatorNode(Node):
         values, old = self._declared.values, self._pipeline
         try:
             new = build_from_parameters(values)
-            new.take_over(old)
             self._use(new)
         # Whatever is wrong with the files, the old model is at work and shall stay so.
         except Exception as error:
+            told = _one_sentence(error)
+            if not isinstance(error, _WRONG_FILES):
+                told = f'{type(error).__name__}: {told}'
+                self.get_logger().error(traceback.format_exc())
             response.success = False
-            response.message = (f'{_one_sentence(error)}; the model that was read from '
+            response.message = (f'{told}; the model that was read from '
                                 f'{old.model_file} stays at work')
             self.get_logger().warning(f'model refused: {response.message}')
             return response
+        new.take_over(old)
         self._after_request()
         response.success, response.message = True, self._told_of_reload(old)
         self.get_logger().info(response.message)
@@ -280,8 +295,9 @@ class EstimatorNode(Node):
         self._publish_status()
 
     def _publish_known_load(self):
+        self._known_told = self._pipeline.known_load
         self._known.publish(inertia_message(
-            message_from_products(self._pipeline.known_load),
+            message_from_products(self._known_told),
             self.get_clock().now().to_msg(), self._robot.load_frame))
 
     def stop(self):

@@ -36,7 +36,7 @@ class ClockOffset:
     """
 
     KEPT = 1.0  # [s]
-    SET = 0.1   # [s] by which it must have gone beside a steady clock to have been set
+    SET = 0.03  # [s] by which it must have gone beside a steady clock to have been set
 
     def __init__(self):
         self.restart()

@@ -13,7 +13,8 @@ class JointStream:
     """
     Feed raw messages of one robot, get filtered motion.
 
-    rejected: reason -> count of everything not used.
+    rejected: reason -> count of everything not used; accepted: number of joint states used; arms:
+    behind how many prefixes they came, one after the other, 1 for one arm.
     """
 
     def __init__(self, robot):
@@ -22,7 +23,7 @@ class JointStream:
         self._filter = MotionFilter(robot.n, self._temperatures.values)
         lag = robot.file.command_lag
         self._commands = None if lag is None else CommandedPositions(lag)
-        self.accepted = 0
+        self.accepted, self.arms = 0, 0
 
     @property
     def rejected(self):
@@ -38,11 +39,6 @@ class JointStream:
     def names(self):
         """The ArmNames that tell which joint states are this arm's."""
         return self._guard.names
-
-    @property
-    def arms(self):
-        """How often the joints were found behind another prefix: once for one arm."""
-        return len(self._guard.names.used)
 
     @property
     def turns(self):
@@ -81,12 +77,11 @@ class JointStream:
 
     def joint_state(self, stamp, names, position, velocity, effort):
         """Return a MotionSample when one is due, else None."""
-        arms = self.arms
         accepted = self._guard.accept(stamp, names, position, velocity, effort)
-        if 0 < arms < self.arms:
-            self._temperatures.forget()
         if accepted is None:
             return None
+        if self.arms != len(self._guard.names.used):
+            self._another_arm()
         if self._guard.restarted:
             self._filter.restart()
         if self._guard.some_velocity_stuck:
@@ -103,6 +98,11 @@ class JointStream:
         if self._filter.gaps > gaps:
             self._guard.rejected['gap'] += 1
         return sample
+
+    def _another_arm(self):
+        if self.arms:
+            self._temperatures.forget()
+        self.arms = len(self._guard.names.used)
 
     def _as_followed(self, stamp, commanded):
         if self._guard.restarted:
