@@ -12,7 +12,10 @@ _COMPARED_BELOW = 5.0
 
 def check_values(recording, position, velocity, effort):
     """Return the finding about missing, short and non-finite values."""
-    absent = np.isnan(velocity).all(axis=1)
+    missing = np.isnan(velocity)
+    # As input_guard.py has it: all are done without where one was never measured.
+    never = ~np.logical_or.accumulate(np.isfinite(velocity).all(axis=1))
+    absent = missing.all(axis=1) | (missing.any(axis=1) & never)
     counts = {what: int(np.sum(~np.isfinite(values).all(axis=1) & used))
               for what, values, used in (('position', position, True),
                                          ('velocity', velocity, ~absent),
@@ -26,7 +29,7 @@ def check_values(recording, position, velocity, effort):
     return Finding('values', WRONG if share > 0.5 else DOUBT,
                    f'of {len(position)} messages: {text or "none"}; {short} with short arrays',
                    'such messages are rejected and counted; the velocity of all joints may be '
-                   'missing, position and effort may not')
+                   'missing, or of one from the first message on, position and effort may not')
 
 
 # Messages from one that moves to the next, of a driver that repeats itself; more is a rest.
@@ -104,8 +107,8 @@ def check_velocity(signals, robot):
         return Finding('velocity', OK, 'not in the messages; it is derived from the position')
     if not np.isfinite(signals.velocity).all():
         return Finding('velocity', DOUBT, 'missing in some messages', 'where it is missing for '
-                       'all joints it is derived from the position, other such messages are '
-                       'rejected')
+                       'all joints, or of one from the first message on, it is derived from the '
+                       'position, other such messages are rejected')
     if not len(moves):
         return Finding('velocity', UNKNOWN, 'no joint moves')
     pairs = np.array([_slope_and_lag(signals, j) for j in moves])
