@@ -103,8 +103,12 @@ def _slope_and_lag(signals, j):
 def check_velocity(signals, robot):
     """Return the finding about measured velocity against the derivative of the position."""
     moves = np.flatnonzero(moving(signals))
-    if not np.isfinite(signals.velocity).any():
-        return Finding('velocity', OK, 'not in the messages; it is derived from the position')
+    never = ~np.isfinite(signals.velocity).any(axis=0)
+    if never.any():
+        whose = '' if never.all() else 'of ' + ', '.join(
+            robot.joints[j] for j in np.flatnonzero(never)) + ' '
+        return Finding('velocity', OK, f'{whose}not in the messages; all are derived from the '
+                       'position')
     if not np.isfinite(signals.velocity).all():
         return Finding('velocity', DOUBT, 'missing in some messages', 'where it is missing for '
                        'all joints, or of one from the first message on, it is derived from the '
