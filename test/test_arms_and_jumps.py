@@ -14,6 +14,7 @@ from hand_load_estimator.stream.arm_names import ArmNames, refuse_several, SILEN
 from hand_load_estimator.stream.continuity import Continuity, ELSEWHERE
 from hand_load_estimator.stream.input_guard import InputGuard
 from hand_load_estimator.stream.joint_stream import JointStream, motion_of
+from hand_load_estimator.stream.joint_temperatures import JointTemperatures
 
 JOINTS = 'pan', 'lift'
 LEFT, RIGHT = (tuple(f'{side}_{joint}' for joint in JOINTS) for side in ('left', 'right'))
@@ -295,6 +296,19 @@ def test_temperatures_belong_to_the_arm_of_the_joint_states(model, stream):
         both.joint_state(m.stamp, m.names, m.position, m.velocity, m.effort)
     both.temperature_reading('right_j2', 60.0)
     assert np.isnan(both.temperature[2])
+
+
+def test_temperatures_of_an_arm_that_went_silent_are_none_of_the_next():
+    arm, readings = ArmNames(JOINTS), JointTemperatures(JOINTS)
+    assert arm.index(LEFT, 0.0) is not None
+    readings.expire(0.0, arm)
+    for name in LEFT:
+        readings.take(name, 60.0, arm)
+    assert arm.index(RIGHT, SILENT + 1.0) is not None
+    # What comes at once, before time goes on, is the new arm's.
+    readings.take(RIGHT[1], 20.0, arm)
+    readings.expire(SILENT + 1.0, arm)
+    assert np.isnan(readings.values[0]) and readings.values[1] == 20.0
 
 
 def test_a_recording_of_two_arms_alike_is_refused(model, stream):

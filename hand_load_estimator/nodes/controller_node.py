@@ -60,7 +60,7 @@ class ControllerNode(Node):
         self._temperatures = JointTemperatures(self._robot.joints)
         self._supervisor.temperature = self._temperatures.values
         self._pairing, self._ticks = LoadPairing(), 0
-        self._said, self._arms = {}, 0
+        self._said = {}
         self._create_outputs()
         self._create_inputs(values)
         self._create_diagnostics()
@@ -128,9 +128,6 @@ class ControllerNode(Node):
                                       [0.0] * len(message.name))
         if accepted is None:
             return
-        if 0 < self._arms < len(self._guard.names.used):
-            self._temperatures.forget()
-        self._arms = len(self._guard.names.used)
         q, v, _ = accepted
         if self._no_clock:
             return
@@ -227,7 +224,7 @@ class ControllerNode(Node):
         if self._no_clock:
             return
         now = self._now()
-        self._temperatures.expire(now)
+        self._temperatures.expire(now, self._guard.names)
         ready = self._trajectory.get_subscription_count() > 0
         self._send(self._supervisor.tick(now, ready))
         self._say_changes()

@@ -80,8 +80,6 @@ class JointStream:
         accepted = self._guard.accept(stamp, names, position, velocity, effort)
         if accepted is None:
             return None
-        if self.arms != len(self._guard.names.used):
-            self._another_arm()
         if self._guard.restarted:
             self._filter.restart()
         if self._guard.some_velocity_stuck:
@@ -91,18 +89,13 @@ class JointStream:
             accepted[0] += self._guard.turns
         if self._commands is not None:
             accepted = self._as_followed(stamp, accepted)
-        self.accepted += 1
-        self._temperatures.expire(stamp)
+        self.accepted, self.arms = self.accepted + 1, len(self._guard.names.used)
+        self._temperatures.expire(stamp, self._guard.names)
         gaps = self._filter.gaps
         sample = self._filter.update(stamp, *accepted)
         if self._filter.gaps > gaps:
             self._guard.rejected['gap'] += 1
         return sample
-
-    def _another_arm(self):
-        if self.arms:
-            self._temperatures.forget()
-        self.arms = len(self._guard.names.used)
 
     def _as_followed(self, stamp, commanded):
         if self._guard.restarted:

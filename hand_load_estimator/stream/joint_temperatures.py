@@ -61,12 +61,13 @@ class JointTemperatures:
     """
     Last readings of the joints.
 
-    values (n,) [degC], NaN where unknown or too old; rejected: reason -> count. Time is told by
-    expire(); a reading before the first of them starts with it.
+    values (n,) [degC], NaN where unknown, too old, or from before the arm got another prefix;
+    rejected: reason -> count. Time is told by expire(); a reading before the first of them starts
+    with it.
     """
 
     def __init__(self, joints):
-        self._names = TemperatureNames(joints)
+        self._names, self._arms = TemperatureNames(joints), 0
         self.values, self.rejected = np.full(len(joints), np.nan), Counter()
         self._read_at, self._now = np.full(len(joints), -np.inf), None
         # No reading expires before this: joint states come too often to look at all of them.
@@ -83,6 +84,7 @@ class JointTemperatures:
 
         arm: the ArmNames of the joint states.
         """
+        self._follow(arm)
         index = self._names.index(name, arm)
         if index is None:
             return
@@ -99,12 +101,19 @@ class JointTemperatures:
         expires = -np.inf if self._now is None else self._now + TEMPERATURE_LIFE
         self._none_expires_before = min(self._none_expires_before, expires)
 
-    def forget(self):
-        """Forget all readings, as of another arm."""
-        self.values[:], self._read_at[:] = np.nan, -np.inf
+    def _follow(self, arm):
+        """Forget all readings where the joint states have got another prefix."""
+        if 0 < self._arms < len(arm.used):
+            self.values[:], self._read_at[:] = np.nan, -np.inf
+        self._arms = len(arm.used)
 
-    def expire(self, now):
-        """Forget what was read too long before `now` [s]."""
+    def expire(self, now, arm):
+        """
+        Forget what was read too long before `now` [s], or of another arm.
+
+        arm: the ArmNames of the joint states.
+        """
+        self._follow(arm)
         if self._now is not None and now < self._now:
             # The clock has gone back: what was read before lives from now on.
             self._read_at = np.minimum(self._read_at, now)
