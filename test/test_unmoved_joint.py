@@ -9,6 +9,7 @@ import pytest
 from hand_load_estimator.control.collision_threshold import CollisionThresholds
 from hand_load_estimator.control.load_belief import rated_belief
 from hand_load_estimator.identification.evidence import prepare
+from hand_load_estimator.identification.identified_sense import nonsense
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.nodes.controller_report import report_torque_model
@@ -115,9 +116,15 @@ def test_a_diagnosis_that_does_not_move_it_either_leaves_it_as_it_was(model, arm
 
 def test_once_it_is_moved_it_is_known(model):
     stream = messages(exact_model('four'), LoadParameters(), 25.0, seed=3)
-    known = better_model(model, (), [evidence_of('moved', stream)])
+    moved = [evidence_of('moved', stream)]
+    known = better_model(model, (), moved)
     assert not known.residuals.unmoved.any() and cautions(known, True) == []
     assert known.friction_doubt()[STILL] < 0.5 * model.friction_doubt()[STILL]
+    # What nobody had seen of it is no noise any more.
+    residuals = known.residuals
+    assert known.noise[STILL] < 0.05 * model.noise[STILL]
+    assert residuals.intensity[STILL] < 0.05 * model.residuals.intensity[STILL]
+    assert nonsense(known, moved) == {}
 
 
 def test_behind_a_torque_sensor_a_standing_joint_tells_its_noise(arm):

@@ -196,7 +196,8 @@ def _identified(model, declared, before, evidence, own):
         if not own:
             # New recordings need not show all that the old ones did.
             drift = np.maximum(drift, residuals.drift)
-            intensity = np.maximum(intensity, np.where(moved, SHOWN, 1.0) * residuals.intensity)
+            intensity = np.maximum(intensity, _still_stated(residuals, moved)
+                                   * residuals.intensity)
         if turn == 0 and turning:
             uses, system = with_turning_fitted(system, uses, evidence, x, intensity, turning), None
         if turn < TURNS - 1:
@@ -230,7 +231,17 @@ def _residuals(model, old, fit, evidence, own):
     if own:
         drift = with_usual_drift(model, system, drift, known_joints(evidence))
         return replace(old, rmse=rmse, unmoved=~moved, drift=drift)
-    # New recordings need not show all that the old ones did.
-    rmse = np.where(moved, np.maximum(rmse, np.sqrt(SHOWN) * old.rmse), old.rmse)
+    still = np.sqrt(_still_stated(old, moved)) * old.rmse
+    rmse = np.where(moved, np.maximum(rmse, still), old.rmse)
     unmoved = None if old.unmoved is None else old.unmoved & ~moved
     return replace(old, rmse=rmse, unmoved=unmoved, drift=drift)
+
+
+def _still_stated(old, moved):
+    """
+    Return the share (n,) of the old Residuals' density that stays stated whatever is left now.
+
+    Of a joint that had never moved they state what may be left of friction nobody had seen.
+    """
+    unseen = np.zeros(len(moved), dtype=bool) if old.unmoved is None else old.unmoved
+    return np.where(~moved, 1.0, np.where(unseen, 0.0, SHOWN))
