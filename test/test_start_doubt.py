@@ -47,3 +47,16 @@ def test_it_passes_the_filter():
     both = slice(50, 100)
     assert shown[both, 1].sum() - plain[both, 1].sum() == pytest.approx(
         0.03 / DT * plain[49, 1], rel=0.2)
+
+
+@pytest.mark.parametrize('hours', [0.1, 24.0])
+def test_a_rest_of_hours_tells_no_more_than_its_first_minute(hours):
+    """And is forgotten as quickly once the joint moves."""
+    state, step, still = StartDoubt(S), 1.0, np.zeros(2)
+    doubts = np.array([state.update(np.zeros((STEPS, 2)), still, still, step)
+                       for _ in range(int(3600.0 * hours))])
+    told = step / doubts ** 2
+    assert told[60:].sum() < 0.02 * told.sum()
+    moved = np.full((STEPS, 2), 0.5 * DT / STEPS)
+    after = [state.update(moved, moved.sum(axis=0) * (k + 1), still + 0.5, DT) for k in range(8)]
+    assert (after[-1] < 1e-2).all()

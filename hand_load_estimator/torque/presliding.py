@@ -29,7 +29,6 @@ STUCK_TIME = 1.0
 # where friction anywhere between its two levels has a third and the model's variances count for
 # load_share of themselves.
 REST_GROWTH = 0.6
-LARGEST_DOUBT = 100.0
 
 
 class Turning:
@@ -113,7 +112,7 @@ class PreslidingState:
 
 def doubt_after(rest):
     """Return the doubt about z after a rest [s]: of one longer than REST_TIME."""
-    return np.minimum(np.hypot(1.0, (rest - REST_TIME) / REST_GROWTH), LARGEST_DOUBT)
+    return np.hypot(1.0, (rest - REST_TIME) / REST_GROWTH)
 
 
 def stuck_variance(z, doubt, v, level):

@@ -7,6 +7,9 @@ from .shown_filter import filtered, filtered_along
 
 # A doubt below this [-] is none, and need not be followed.
 NOTHING = 1e-12
+# How large a doubt the motion filter still shows when a rest ends: of hours it would show for the
+# first tenth of a second of motion, in which nothing were told then.
+LARGEST_SHOWN = 100.0
 
 
 class StartDoubt:
@@ -35,11 +38,12 @@ class StartDoubt:
         if self._stages.max() < NOTHING and self._left.max() < NOTHING and not rests.any():
             return self._none
         decay = np.exp(-np.cumsum(np.abs(moved), axis=0) / self._distance)
-        within = np.where(rests, doubt, np.minimum(self._left, 1.0) * decay)
+        within = np.where(rests, np.minimum(doubt, LARGEST_SHOWN),
+                          np.minimum(self._left, 1.0) * decay)
         path = np.concatenate([self._left[None], within])
         self._left = path[-1]
         self._stages = filtered(self._stages, path, dt)
-        return self._stages[2]
+        return np.where(rests & (doubt > LARGEST_SHOWN), doubt, self._stages[2])
 
 
 def rests_along(q, v, dt):
@@ -60,6 +64,7 @@ def start_doubt_along(moved, rested, dt, distance):
     # From where a joint last rested on all of it is in doubt.
     last = np.maximum.accumulate(np.where(rests, np.arange(1, len(dt) + 1)[:, None], 0), axis=0)
     turned = way + (begun[:-1] - np.take_along_axis(begun, last, axis=0))[:, None]
-    within = np.where(rests[:, None], doubt[:, None], np.exp(-np.maximum(turned, 0.0) / distance))
+    within = np.where(rests[:, None], np.minimum(doubt, LARGEST_SHOWN)[:, None],
+                      np.exp(-np.maximum(turned, 0.0) / distance))
     path = np.concatenate([np.vstack([np.ones(n), within[:-1, -1]])[:, None], within], axis=1)
     return filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]
