@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from core_helpers import (block, exact_model, feed, four_axes, messages, pipeline_of,
+from core_helpers import (block, EFFECTS, exact_model, feed, four_axes, messages, pipeline_of,
                           recording_of, warm)
 import numpy as np
 import pinocchio as pin
@@ -60,6 +60,16 @@ def test_e1_2_currents_and_torques_give_the_same_load(robot_name):
     model = exact_model(robot_name)
     last = feed(warm(pipeline_of(model)), messages(model, block(3.0), 4.0))[-1]
     assert abs(last.mean[0] - 3.0) < min(3.5 * last.std[0], 0.3)
+
+
+@pytest.mark.parametrize('names', [('torque_offset',), EFFECTS])
+def test_e1_2_a_minute_at_one_pose_tells_no_more_than_a_second(names):
+    """What a model is off by at a pose stays: behind a torque sensor as where friction holds."""
+    pipeline = warm(pipeline_of(exact_model('four', names)))
+    standing = feed(pipeline, messages(pipeline.model, block(3.0), 40.0, rest=99.0))
+    early, late = (next(e for e in standing if e.stamp >= standing[0].stamp + seconds)
+                   for seconds in (3.0, 38.0))
+    assert late.std[0] > 0.8 * early.std[0]
 
 
 LAG = 0.012   # [s] the arm is behind its commands

@@ -62,7 +62,7 @@ class ModelFollower:
         self._shown = ShownStream((distance, model.presliding_power()))
         self._start = StartDoubt(distance)
         self._friction = model.held_friction()
-        # Whatever varies there is noise, at rest too.
+        # Whatever varies there is noise, at rest too; but what does not vary is no less wrong.
         self._frictionless = self._friction == 0.0
         self._gear_friction = np.zeros(model.robot.n)
         for use, where in model.slices():
@@ -165,6 +165,15 @@ class ModelFollower:
         torque = self.model.layout.prompt_torque(columns, self.model.mean) + added
         return misread_columns(self.model, x.q[0], x.z[0], gear, torque, self._carried)
 
+    def _of_a_rest(self, doubt):
+        """
+        Return how much less (n,) a sample tells while the arm stands; doubt (n,): as of Rests.
+
+        A model's error at one pose is the same for a minute as for a second. Of joints with
+        friction that is said by what they hold.
+        """
+        return np.where(self._frictionless, max(doubt.min(), 1.0) ** 2, 1.0)
+
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
         robot = self.model.robot
@@ -202,7 +211,8 @@ class ModelFollower:
                 difference, sample.dt, sample.messages,
                 self._frictionless | surely_slides(sample.v, z, doubt))
         noise = (density - stated) / sample.dt
-        density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
+        density = density * self._of_a_rest(doubt) \
+            + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         if self._longest:
             load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
                                                     sample.dt)
