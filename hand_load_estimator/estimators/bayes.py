@@ -7,7 +7,7 @@ from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
-from .regression import LoadRegression, MOVING
+from .regression import creeps, LoadRegression, MOVING
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -60,7 +60,7 @@ class Bayes(Watching):
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
-                             sample.dt / prediction.density)
+                             sample.dt / prediction.density, creeps(sample, prediction))
         if self._regression.look_at(sample.stamp):
             self._after_change(prediction, columns)
         else:

@@ -19,7 +19,7 @@ import numpy as np
 from .beside_bayes import BesideBayes
 from .histogram import Histogram, entropy_of, normalised
 from .method import joined_state, part_of
-from .regression import MOVING
+from .regression import creeps, MOVING
 
 # A step of 1.4 standard deviations at most: on a coarser lattice the entropy also changes with
 # where between candidates the peak lies, and the gate would refuse for that.
@@ -94,7 +94,8 @@ class GpHistogram(BesideBayes):
         if moving and not self._opens(sample, prediction, columns, weights):
             self.refused += 1
         else:
-            self._counted.add(sample, columns, prediction.difference, weights)
+            self._counted.add(sample, columns, prediction.difference, weights,
+                              creeps(sample, prediction))
         self._count += 1
         self._renew()
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import differential_evolution, dual_annealing
 
 from .beside_bayes import BesideBayes
-from .regression import MOVING
+from .regression import creeps, MOVING
 
 # Searches follow each other after so much motion [s]: quickly at first, when most is learnt.
 EARLY, INTERVAL, EARLY_FOR = 0.1, 0.5, 1.0
@@ -39,7 +39,7 @@ class GpSearch(BesideBayes):
 
     def _take(self, sample, prediction, columns):
         self._counted.add(sample, columns, prediction.difference,
-                          sample.dt / prediction.density)
+                          sample.dt / prediction.density, creeps(sample, prediction))
         self._moved += sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
 
     def settle(self):

@@ -22,7 +22,7 @@ from .load_prior import load_prior
 from .lstm_cell import LstmCell
 from .method import Belief, check_origin, fitting, joined_state, part_of
 from .mismatch import MismatchWatch
-from .regression import LoadRegression, MOVING
+from .regression import creeps, LoadRegression, MOVING
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -116,9 +116,10 @@ class Lstm(Watching):
                 self._shift, self._spread = shift, spread
         weights = sample.dt / prediction.density
         # The plain regression only serves the next innovation, and to see a change.
-        self._plain.add(sample, columns, prediction.difference, weights)
+        slow = creeps(sample, prediction)
+        self._plain.add(sample, columns, prediction.difference, weights, slow)
         self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
-                          weights)
+                          weights, slow)
         self._settled = False
         if self._plain.look_at(sample.stamp):
             self._after_change()

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..torque.presliding import REST_SPEED
+from ..torque.sliding import DOUBT, TURNED
 from ..torque_model import DRIFTS
 from .change import change_covariance, EVIDENCE, LONG, RecentData, slip_covariance
 from .change_windows import ChangeWindows, Older
@@ -24,6 +26,16 @@ ONSET, ONCE_IN = 0.15, 2.0
 # While an arm stands no piece ends. The last so many are left out where the old load comes back:
 # it may have been let go already while the arm came to rest.
 AT_REST = 5
+
+
+def creeps(sample, prediction):
+    """
+    Tell whether a joint, slow as it may be, slides so that its friction has turned.
+
+    Its torques count as those of any motion then: a load change shows in them, too.
+    """
+    return bool(((np.abs(sample.v) > REST_SPEED) & (prediction.doubt < DOUBT)
+                 & (np.abs(prediction.z) > TURNED)).any())
 
 
 class LoadRegression:
@@ -63,15 +75,16 @@ class LoadRegression:
         self._unchecked = None
         self.posterior = self._solve()
 
-    def add(self, sample, columns, difference, weights):
+    def add(self, sample, columns, difference, weights, creeping=False):
         """
         Add a sample: columns (n, 10 + r), difference (n,), weights (n,).
 
-        Not while the motion filter still shows the load before a change.
+        creeping: whether it is one of motion even if no joint is faster than MOVING. Nothing is
+        added while the motion filter still shows the load before a change.
         """
         if self.last_change is not None and 0.0 <= sample.stamp - self.last_change < SETTLING:
             return
-        moved = sample.dt if np.abs(sample.v).max() > MOVING else 0.0
+        moved = sample.dt if creeping or np.abs(sample.v).max() > MOVING else 0.0
         difference = self.beside_tared(columns, difference)
         if not self._recent.add(columns, difference, weights, moved):
             return
