@@ -8,6 +8,8 @@ import pytest
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.estimators.checkpoint import belongs_to
+from hand_load_estimator.estimators.direct import Direct
+from hand_load_estimator.estimators.method import Belief
 from hand_load_estimator.estimators.tool import read_tool
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.load import LoadParameters
@@ -64,6 +66,37 @@ def test_what_is_not_known_of_the_tool_is_not_known_of_the_workpiece(pipelines, 
                 both)[-1]
     assert 0.15 < last.std[0] < 0.25 and sure[0] < 0.05
     assert abs(last.mean[0] - PART.mass) < 2.0 * last.std[0]
+
+
+@pytest.mark.parametrize('sure', [0.05, 0.5])
+def test_nothing_is_known_better_than_the_tool_it_is_held_beside(tmp_path, sure):
+    """What a network or a calibration makes of a variance was learned without a tool."""
+    path = tmp_path / 'tool.yaml'
+    write_load_file(path, TOOL)
+    path.write_text(path.read_text() + 'std: {mass: 0.3, com: [0.01, 0.0, 0.0]}\n')
+    own = Belief(PART.to_message(), sure ** 2 * (0.5 * np.eye(10) + 0.5))
+    tool, light = read_tool(path), 0.1
+    told, added = (tool.beside(own, counted, light).covariance for counted in (True, False))
+    assert np.sqrt(told[0, 0]) == pytest.approx(max(sure, 0.3))
+    assert np.sqrt(added[0, 0]) == pytest.approx(np.hypot(sure, 0.3))
+    # 1.5 kg that lie 10 mm aside are as wrong as 2 kg that lie 7.5 mm aside, beside what a mass is.
+    aside = 1.5 * 0.01 / PART.mass
+    assert np.sqrt(added[1, 1] - sure ** 2) == pytest.approx(
+        np.hypot(aside, 0.3 * (TOOL.com[0] - PART.com[0]) / PART.mass))
+    assert np.linalg.eigvalsh(told)[0] > 0.0 and np.linalg.eigvalsh(added)[0] > 0.0
+    if sure > 0.3:
+        np.testing.assert_allclose(told, own.covariance)
+    # Of nothing the place is as doubtful as that of a light load.
+    nothing = Belief(np.zeros(10), own.covariance)
+    assert np.isfinite(tool.beside(nothing, False, light).covariance).all()
+
+
+def test_what_a_network_never_saw_of_a_tool_is_added(pipelines, both):
+    pipeline = pipelines('std: {mass: 0.2}\n')
+    counted = feed(pipeline, both)[-1]
+    pipeline.method.counts_doubts = Direct.counts_doubts
+    added = pipeline.estimate(pipeline.last_stamp + 9.0)
+    assert added.std[0] == pytest.approx(np.hypot(counted.std[0], 0.2), rel=0.02)
 
 
 def test_a_reset_keeps_the_tool(pipelines, both):

@@ -17,15 +17,17 @@ from ..load import message_from_shape, products_jacobian_of_message
 from ..torque.columns import warmth_of
 from .information import message_covariance
 from .load_prior import load_prior
-from .method import Belief, check_origin, fitting, joined_state, part_of
+from .method import Belief, check_origin, fitting, joined_state, LIGHT, part_of
 from .watched_by_bayes import WatchedByBayes
 
-# A doubt about products is one about place and inertia for loads of this share of the rated mass.
-LIGHT = 0.05
-
-
 class Direct(WatchedByBayes):
-    """Estimate the load with a DirectArtefact; the model may be any of the arm it is for."""
+    """
+    Estimate the load with a DirectArtefact; the model may be any of the arm it is for.
+
+    counts_doubts: whether what is not known of the model and the tool is in its variances.
+    """
+
+    counts_doubts = False
 
     def __init__(self, model, uncertainties, artefact):
         super().__init__(model, uncertainties)

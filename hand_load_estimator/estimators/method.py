@@ -7,6 +7,9 @@ import numpy as np
 
 from .information import Trust
 
+# A doubt about products is one about place and inertia for loads of this share of the rated mass.
+LIGHT = 0.05
+
 
 @dataclass(frozen=True)
 class Belief:

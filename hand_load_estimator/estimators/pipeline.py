@@ -9,7 +9,7 @@ from ..stream.joint_stream import JointStream
 from ..stream.rejected_input import in_words, joint_states_of
 from .calibrated import intervals_of
 from .impossible_mass import impossible_mass
-from .method import checked
+from .method import checked, LIGHT
 from .physical_consistency import published
 from .residual_watch import ResidualWatch
 from .suggest_motion import MotionSuggester, SuggestionError
@@ -180,12 +180,18 @@ class Pipeline:
             self.residual = self.residual + prediction.load_columns @ self.tool.products
         moves = self._moves(sample)
         self._began = self._began or moves
-        belief = self.method.update(sample, prediction)
+        belief = self._beside_tool(self.method.update(sample, prediction))
         self._confirm(sample.dt if moves else 0.0)
         self._follower.carry(belief, self.method)
         self._unwatched = sample, prediction
         self._estimate = self._labelled(sample.stamp, belief)
         return self._estimate
+
+    def _beside_tool(self, belief):
+        if not self.tool:
+            return belief
+        counted = getattr(self.method, 'counts_doubts', True)
+        return self.tool.beside(belief, counted, LIGHT * self.model.robot.rated_load.mass)
 
     def _begin_anew(self):
         """Forget what is of another arm: its load, what was tared on it, how its model does."""
@@ -252,7 +258,7 @@ class Pipeline:
 
     def estimate(self, now):
         """Return the LoadEstimate as of time `now` [s]: the last one, or STALE_INPUT."""
-        last, belief = self._stream.last_stamp, self.method.belief()
+        last, belief = self._stream.last_stamp, self._beside_tool(self.method.belief())
         if last is None:
             return self._say(now, belief, 'NO_DATA', self.why_none, self._determined(belief))
         if now - self._fed > self._stale_after:

@@ -26,6 +26,25 @@ class Tool:
         """Mass [kg]."""
         return float(self.products[0])
 
+    def beside(self, belief, counted, light):
+        """
+        Return a Belief of what is held beside the tool, which is known no better than the tool.
+
+        counted: whether the doubt about the tool is in it; what a network or a calibration makes
+        of variances was learned without tools. light [kg]: a lighter load's place is as doubtful
+        as that of one of this mass.
+        """
+        if not self.root.size:
+            return belief
+        mean = belief.mean.copy()
+        mean[0] = max(mean[0], light)
+        root = np.linalg.solve(products_jacobian_of_message(mean), self.root)
+        if not counted:
+            return replace(belief, covariance=belief.covariance + root @ root.T)
+        own = np.maximum(belief.covariance.diagonal(), 1e-300)
+        wider = np.sqrt(np.maximum((root ** 2).sum(axis=1) / own, 1.0))
+        return replace(belief, covariance=belief.covariance * np.outer(wider, wider))
+
 
 def read_tool(path):
     """
