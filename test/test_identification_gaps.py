@@ -8,9 +8,10 @@ import pytest
 from test_identification import Made, NAMES
 
 from hand_load_estimator.effects import NEEDS_TEMPERATURE
-from hand_load_estimator.identification.evidence import between_gaps
+from hand_load_estimator.identification.evidence import between_gaps, prepare
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.identification.mixed_temperatures import mixed_temperatures
+from hand_load_estimator.load import LoadParameters
 
 
 @pytest.fixture(scope='module')
@@ -53,3 +54,19 @@ def test_motion_is_cut_where_joint_states_are_missing(made):
     model = identify(made.robot, [replace(made.evidence[0], motion=later), *made.evidence[1:]],
                      list(NAMES))
     assert model.recordings == tuple(e.mark for e in made.evidence)
+
+
+def test_a_temperature_that_stops_coming_stays_as_it_was(made):
+    """A reading is good for half a minute; then friction counted as of the reference temperature."""
+    evidence = made.evidence[0]
+    stamp = evidence.motion.stamp
+    warming = 30.0 + 0.1 * (stamp - stamp[0])[:, None] * np.ones(4)
+    warming[:, 1] = np.nan
+    rows = np.arange(len(stamp))
+    stopped = warming.copy()
+    stopped[(rows > 100) & (rows < 200) | (rows > len(rows) - 50), 2] = np.nan
+    motion = replace(evidence.motion, temperature=stopped)
+    told = prepare(made.robot, 'run', motion, LoadParameters()).motion.temperature
+    np.testing.assert_array_equal(told[:, [0, 1, 3]], warming[:, [0, 1, 3]])
+    np.testing.assert_allclose(told[:-49, 2], warming[:-49, 2])
+    assert (told[-49:, 2] == told[-50, 2]).all()

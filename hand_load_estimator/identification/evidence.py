@@ -11,6 +11,7 @@ from ..load import LoadParameters
 from ..torque.columns import real_torque
 from ..torque.shown_links import shown_links
 from .clipped_effort import clipped_rows
+from .temperature_gaps import bridged
 
 
 # Rows further apart than their dt by this [s] have a gap between; parts shorter than that [s]
@@ -87,6 +88,7 @@ def prepare(robot, name, motion, load, recording=None, rejected=None):
     rejected = rejected or {}
     if len(motion.stamp) == 0:
         raise RecordingError(f'{name}: {_why_empty(robot, recording, rejected)}')
+    motion = bridged(motion)
     torque = np.array([real_torque(robot, q, e) for q, e in zip(motion.q, motion.effort)])
     if load.mass > 0.0:
         torque -= robot.load_columns(shown_links(robot, motion)) @ load.to_products()
