@@ -241,3 +241,11 @@ def test_joints_where_an_effect_is_nothing_are_left_out_of_it():
     assert found.joints == (own,) and found.verdict == CONFIRMED
     assert list(found.parameters) == [f'gain ({own})']
     assert told.startswith(f'{other}: no torque_scale is told there')
+
+
+def test_a_joint_that_is_left_out_is_not_the_one_that_shows_it_most():
+    own, other = JOINTS[1], JOINTS[2]
+    given = gaining('torque_scale', {1: 100.0, 2: 200.0})
+    assert given.main_joint(JOINTS) == 2
+    (found,), _ = without_unsure((given,), {('torque_scale', (own, other)): (other,)})
+    assert found.main_joint(JOINTS) == 1 and found.evidence.gain == 100.0

@@ -212,8 +212,13 @@ def without_unsure(findings, unsure):
 
 
 def _elsewhere(finding, none):
-    """Return a Finding of its other joints only."""
+    """Return a Finding of its other joints only, and with what they gain."""
+    gains = finding.evidence.by_joint
+    evidence = replace(
+        finding.evidence, by_joint={j: gain for j, gain in gains.items() if j not in none},
+        gain=finding.evidence.gain - sum(gains.get(j, 0.0) for j in none))
     return replace(finding, joints=tuple(j for j in finding.joints if j not in none),
+                   evidence=evidence,
                    parameters={name: value for name, value in finding.parameters.items()
                                if not any(name.endswith(f' ({joint})') for joint in none)})
 
