@@ -6,12 +6,13 @@ from types import SimpleNamespace
 from core_helpers import four_axes
 import numpy as np
 import pytest
-from residual_helpers import cable, cut, declared_model, on, recorded, viscous
+from residual_helpers import cable, cut, declared_model, noise_of, on, recorded, viscous
 
 from hand_load_estimator.errors import RecordingError
+from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.doubts.limits import (refuse_the_useless, slow_joint_states,
                                                         still_joints, too_little_gained,
-                                                        warmed_joints)
+                                                        true_delay, warmed_joints)
 from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.tracing.hypotheses import hypotheses
 
@@ -122,15 +123,37 @@ def test_a_joint_without_temperatures_is_told_so_beside_one_that_warms():
                     'was recorded']
 
 
-@pytest.mark.parametrize('dt, slow', [(0.02, False), (0.04, True)])
-def test_no_delay_is_sought_between_joint_states_that_come_too_rarely(dt, slow):
+@pytest.mark.parametrize('dt, slow, said', [
+    (0.01, False, ''), (0.02, False, 'delays below 10 ms'), (0.04, True, 'delays, and little')])
+def test_no_delay_is_sought_between_joint_states_that_come_too_rarely(dt, slow, said):
     """A message a row."""
     runs = [replace(run, motion=replace(
         run.motion, dt=np.full(len(run.torque), dt), messages=np.ones(len(run.torque), int)))
             for run in recorded()[:3]]
     told = slow_joint_states(runs)
-    assert bool(told) == slow and (not told or 'run 0, run 1, run 2' in told[0])
+    assert bool(told) == bool(said) and said in ''.join(told)
+    assert not told or 'run 0, run 1, run 2' in told[0]
     model = declared_model()
     residual = find_residual(model, runs)
     names = {h.name for h in hypotheses(model, residual, residual.blocks(), ())}
     assert ('time_delay' in names) != slow and 'torque_scale' in names
+
+
+@pytest.mark.parametrize('dt, seconds, true', [
+    (0.01, 1e-4, True), (0.02, 0.008, False), (0.02, -0.008, False), (0.02, 0.012, True)])
+def test_what_noise_of_accelerations_looks_like_is_no_delay(dt, seconds, true):
+    assert true_delay(SimpleNamespace(interval=dt), seconds) == true
+
+
+def test_a_noisier_recording_of_a_healthy_arm_has_no_effect():
+    """Weights of the model's own noise would have made chance many nats."""
+    model, rng = declared_model(), np.random.default_rng(5)
+    runs = [replace(run, torque=run.torque + rng.normal(size=run.torque.shape)
+                    * 4.0 * noise_of(model.robot)) for run in recorded()]
+    diagnosis, _ = diagnose(model, runs)
+    assert not diagnosis.findings
+    said = [text for text in diagnosis.cannot_tell if 'as noisy as the model states' in text]
+    assert len(said) == len(runs) and 'run 0' in said[0]
+    residual = find_residual(model, runs, cut=False)
+    assert (residual.noise > 3.0 * noise_of(model.robot)).all()
+    assert (find_residual(model, recorded(), cut=False).noisier == 1.0).all()

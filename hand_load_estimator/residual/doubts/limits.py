@@ -6,6 +6,7 @@ import numpy as np
 
 from ...effects import NEEDS_TEMPERATURE
 from ...errors import RecordingError
+from ...motion import SPARSE
 from ..measured.find import find_residual
 from ..outside.standing import POSE
 from .another_robot import refuse_another_robot
@@ -15,6 +16,9 @@ STILL = 0.02           # [rad/s] a joint that never exceeds it has not moved
 LEAST_WARMING = 3.0    # [K] between coldest and warmest
 # Between joint states that come less often [Hz] positions are guessed at, and when a torque came.
 SLOWEST_RATE = 30.0
+# Of those that come less often than this accelerations are the velocities' alone, whose noise
+# looks like a delay of a third of the time between them.
+FALSE_DELAYS = 1.0 / SPARSE
 NEARLY = 0.5           # of the gain needed: what gains less is not worth a sentence
 
 
@@ -76,10 +80,29 @@ def _without_temperature(evidence):
 def slow_joint_states(evidence):
     """Return the sentence on recordings whose joint states come too rarely for delays."""
     rates = {e.name: 1.0 / np.median(e.motion.dt / e.motion.messages) for e in evidence}
-    slow = {name: rate for name, rate in rates.items() if rate < SLOWEST_RATE}
-    return [f'cannot tell delays, and little of quick motion, because {", ".join(slow)} has joint '
-            f'states at {min(slow.values()):.0f} Hz only; {SLOWEST_RATE:g} Hz are needed'
-            ] if slow else []
+    slow = {name: rate for name, rate in rates.items() if rate < FALSE_DELAYS}
+    if not slow:
+        return []
+    rate, names_of = min(slow.values()), ', '.join(slow)
+    return [f'cannot tell delays, and little of quick motion, because {names_of} has joint states '
+            f'at {rate:.0f} Hz only; {SLOWEST_RATE:g} Hz are needed'
+            if rate < SLOWEST_RATE else
+            f'cannot tell delays below {500.0 / rate:.0f} ms because {names_of} has joint states '
+            f'at {rate:.0f} Hz only; {FALSE_DELAYS:.0f} Hz are needed']
+
+
+def true_delay(residual, seconds):
+    """Tell whether a delay [s] is more than what slow joint states of a Residual look like."""
+    return residual.interval * FALSE_DELAYS <= 1.0 or abs(seconds) > 0.5 * residual.interval
+
+
+def noisier_recordings(residual, evidence):
+    """Return the sentences on Evidence of a Residual that is noisier than the model states."""
+    times = residual.noisier.max(axis=1)
+    return [f'cannot tell weak effects from {own.name}, whose torques are {np.sqrt(most):.1f} '
+            'times as noisy as the model states: joint states come less often than in its own '
+            'recordings, or sensors are noisier'
+            for own, most in zip(evidence, times) if most > 1.0]
 
 
 def still_joints(model, evidence):

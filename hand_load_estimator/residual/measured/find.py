@@ -21,6 +21,7 @@ from ...torque.sliding import surely_slides
 from ...torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
 from .folds import Cut, cut_into_blocks, UNCUT
+from .noisier import times_noisier
 from .repeats import first_shown
 
 # Information, in units of the prior's, from which on a direction of the parameters counts.
@@ -45,7 +46,8 @@ class Residual:
     LoadParameters known to be held in each; cut: into blocks; moving (N, n): where joints slide;
     sliding (N, n): where they slide by the watch's stricter measure (sliding.py); expected (n,)
     [Nm]: RMS of the torque that the model itself says it may be wrong by; noise (n,) [Nm]: RMS
-    of what the model leaves that is surely noise; delays {joint: [s]}: how late a joint was
+    of what the model leaves that is surely noise; noisier (K, n): how many times as dense that of
+    each part is as the model states; delays {joint: [s]}: how late a joint was
     found to report its torque, declared what the model says of that.
     """
 
@@ -65,6 +67,7 @@ class Residual:
     sliding: np.ndarray
     expected: np.ndarray
     noise: np.ndarray
+    noisier: np.ndarray
     delays: dict = field(default_factory=dict)
     declared: dict = field(default_factory=dict)
     _paths: dict = field(default_factory=dict)
@@ -145,6 +148,7 @@ def find_residual(model, evidence, cut=True):
     inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
                                 [(model.presliding_distance(), model.presliding_power())]))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
+    noisier = np.array([p.pop('noisier') for p in parts])
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
@@ -152,10 +156,11 @@ def find_residual(model, evidence, cut=True):
     pieces = cut_into_blocks(joined['dt'], owner, recording, first_shown(
         x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
-    noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
+    noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise,
+                    np.sqrt(noisier.max(axis=0)) * model.noise)
     own, doubt = declared_delays(model), joined.pop('doubt')
     return Residual(x, owner=owner, loads=tuple(e.load for e in evidence),
-                    prompt=model.layout.prompt, cut=pieces, noise=noise,
+                    prompt=model.layout.prompt, cut=pieces, noise=noise, noisier=noisier,
                     delays=own, declared=own, expected=np.sqrt(doubt.mean(axis=0)), **joined)
 
 
@@ -203,9 +208,11 @@ def _of_recording(model, root, evidence, given, compared):
     if compared:
         x = _complete(model, x, columns, motion.dt, evidence.load, links)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
-    stated = model.residuals.intensity
+    intensity = model.residuals.intensity
+    noisier = times_noisier(residual, motion.dt, motion.messages, intensity)
+    stated = noisier * intensity
     white = white_density(residual, motion.dt, motion.messages)
-    sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
+    sliding = np.clip(COLOUR * white, STRUCTURE * intensity, stated)
     stuck = stuck_density(x.z, doubt, x.v, level)
     density = sliding + as_reported(model.uses, stuck, motion.dt, np.zeros(len(motion.dt)))
     tells = evidence.tells
@@ -217,7 +224,7 @@ def _of_recording(model, root, evidence, given, compared):
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
             'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),
             'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
-            'sliding': surely_slides(x.v, x.z, doubt) & tells,
+            'sliding': surely_slides(x.v, x.z, doubt) & tells, 'noisier': noisier,
             'doubt': _doubt(model, root, columns, x, motion.temperature)}
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...effects import LATE
 from ..diagnosis import UNKNOWN
+from ..doubts.limits import true_delay
 from .candidate import ahead, in_common, joined, significant, single
 from .choice import chosen_step
 from .finer_shape import best_of_each, search_around
@@ -242,6 +243,9 @@ class Trace:
         return self.matters(candidate) and all(self._allowed(*pair) for pair in candidate.parts)
 
     def _allowed(self, hypothesis, score):
+        if hypothesis.name == LATE and not true_delay(self.residual, score.theta[0] * float(
+                hypothesis.scale[0]) * hypothesis.shape['shift']):
+            return False
         return physical(hypothesis, score, self._declared.get((hypothesis.name, hypothesis.joint)))
 
     def _step(self, best, ranked, needed):
