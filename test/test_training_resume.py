@@ -14,9 +14,10 @@ from ros_helpers import ROOT
 from safetensors.numpy import load_file
 
 from hand_load_estimator.cli import main
+from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.estimators.build import build_pipeline
 from hand_load_estimator.learning.artefact import read_artefact
-from hand_load_estimator.learning.training_loop import end_work
+from hand_load_estimator.learning.training_loop import begin_work, end_work
 from hand_load_estimator.torque.model_file import write_model
 
 # Small batches, so that a shard is a second's work; killed at a given line of progress.
@@ -164,14 +165,34 @@ def test_work_says_whose_it_is_until_nothing_else_is_left(tmp_path, monkeypatch)
         path.touch()
     left = []
 
-    def watched(path, unlink=Path.unlink):
+    def watched(path, missing_ok=False, unlink=Path.unlink):
         left.append({p.name for p in shards.parent.rglob('*') if p.is_file()})
-        unlink(path)
+        unlink(path, missing_ok)
 
     monkeypatch.setattr(Path, 'unlink', watched)
-    end_work(shards.parent)
+    end_work(shards.parent, {'training': [shards / 'a.safetensors']})
     assert all('job.json' in names for names in left) and left[-1] == {'job.json'}
     assert len(left) == 3 and not shards.parent.exists()
+
+
+def test_a_folder_of_the_users_called_work_is_left_alone(tmp_path):
+    """It was taken for the training's own, and everything in it removed at the end."""
+    (tmp_path / 'work' / 'run1').mkdir(parents=True)
+    with pytest.raises(ConfigurationError, match='files that are of no training'):
+        begin_work(tmp_path, {}, {'training': range(2)})
+    assert [p.name for p in tmp_path.rglob('*')] == ['work', 'run1']
+
+
+def test_what_others_put_into_the_work_stays(tmp_path):
+    work = begin_work(tmp_path, {}, {'training': range(2)})
+    (work / 'training').mkdir()
+    names = ('training/0_2.safetensors', 'training/0_2.safetensors.7.part', 'training/notes.txt',
+             'checkpoint.safetensors', 'mine.safetensors')
+    for name in names:
+        (work / name).touch()
+    end_work(work, {'training': [work / names[0]]})
+    assert sorted(str(p.relative_to(work)) for p in work.rglob('*') if p.is_file()) \
+        == ['mine.safetensors', 'training/notes.txt']
 
 
 @pytest.mark.parametrize('arguments, word', [

@@ -108,7 +108,7 @@ def calibrate_method(model_path, folder, recipe, write=print):
         'model_recordings': model.recording_names, **job, 'sequence_seconds': DURATION,
         'seeds': {name: span.start for name, span in spans.items()},
         'wall_seconds': round(time.time() - began), 'held_out': scores})
-    end_work(work)
+    end_work(work, paths)
     return scores
 
 

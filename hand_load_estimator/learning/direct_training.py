@@ -71,7 +71,7 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
     write_direct_artefact(folder, network, knots, factors,
                           _card(model, recipe.design, job, spans, scores, device,
                                 time.time() - began))
-    end_work(work)
+    end_work(work, shards)
     return scores
 
 

@@ -74,7 +74,7 @@ def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start
     write_artefact(folder, weights, factors,
                    _card(model, job, spans, scores, time.time() - began,
                          _beside_temperatures(model, recipe, start)))
-    end_work(work)
+    end_work(work, shards)
     return scores
 
 

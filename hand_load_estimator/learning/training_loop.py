@@ -5,6 +5,7 @@ import json
 import shutil
 import time
 from dataclasses import asdict
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from .start import sha256_of
 
 CHECKPOINT_EVERY = 25   # steps
 BYTES_PER_SEQUENCE = 1e6   # on disk while training, for six joints
-_NOTE = 'job.json'
+_NOTE, _CHECKPOINT = 'job.json', 'checkpoint.safetensors'
 _M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4   # glibc's malloc.h
 
 
@@ -93,6 +94,10 @@ def _same_job(work, job, sequences):
     """Note what the work belongs to, where there is room for it; refuse to mix two jobs."""
     note = work / _NOTE
     if not note.exists():
+        if any(work.iterdir()):
+            raise ConfigurationError(work, 'holds files that are of no training', allowed='no '
+                                     f'such folder, or one with a {_NOTE} of this training',
+                                     todo='give another --out, or move them')
         needed = BYTES_PER_SEQUENCE * sequences
         free = shutil.disk_usage(work).free
         if free < needed:
@@ -106,15 +111,26 @@ def _same_job(work, job, sequences):
             todo='remove it or give another --out')
 
 
-def end_work(work):
-    """Remove what a finished training worked with; a kill leaves what another job is refused."""
-    note = work / _NOTE
-    for path in sorted(work.rglob('*'), reverse=True):
-        # Without the note the next training would take what is left for its own.
-        if path != note:
-            path.rmdir() if path.is_dir() else path.unlink()
-    note.unlink()
-    work.rmdir()
+def end_work(work, made):
+    """
+    Remove what a finished training wrote, shards `made` as make_sequences returned them.
+
+    Files of others stay, and the folder with them; a kill leaves what another job is refused.
+    """
+    for path in (*chain(*made.values()), work / _CHECKPOINT):
+        # A kill while one was written left parts.
+        for written in (path, *path.parent.glob(f'{path.name}.*.part')):
+            written.unlink(missing_ok=True)
+    for name in made:
+        _remove_if_empty(work / name)
+    # Last: without it the next training would be refused what is left.
+    (work / _NOTE).unlink()
+    _remove_if_empty(work)
+
+
+def _remove_if_empty(folder):
+    if not any(folder.iterdir()):
+        folder.rmdir()
 
 
 def make_sequences(model_path, work, spans, make, write):
@@ -137,7 +153,7 @@ class _Run:
         self.optimiser = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
         self.schedule = torch.optim.lr_scheduler.OneCycleLR(
             self.optimiser, recipe.learning_rate, total_steps=max(steps, 1), pct_start=0.1)
-        self._path = Path(folder) / 'checkpoint.safetensors'
+        self._path = Path(folder) / _CHECKPOINT
         self.step = 0
 
     def save(self):
