@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 import json
+import shutil
 
 from core_helpers import block, CALIBRATED, exact_model, feed, four_axes, messages, warm
 import numpy as np
 import pytest
+from ros_helpers import ROOT
 from safetensors.numpy import load_file, save_file
 import torch
 
@@ -248,6 +250,25 @@ def test_those_of_another_model_are_taken_when_asked_for_only(tmp_path, model, m
     # A network that is not there becomes `bayes`, with what is asked for of that.
     for name in ('bayes', 'lstm'):
         assert isinstance(build_method(model, size, name, intervals=str(folder)), Calibrated)
+
+
+def test_a_calibration_does_not_go_on_with_another_learned_function(tmp_path, monkeypatch):
+    """Sequences of the old one, learned over since, were mixed with those of the new one."""
+    def killed(*arguments):
+        raise Killed
+
+    monkeypatch.setattr('hand_load_estimator.learning.calibrate_method.make_sequences', killed)
+    model, learned = (ROOT / 'config' / name for name in ('models/ur10e.yaml', 'learned/ur10e_gp'))
+    shutil.copytree(learned, tmp_path / 'gp')
+    recipe = CalibrationRecipe('gp_bayes', str(tmp_path / 'gp'), calibration=2, validation=2)
+    for _ in range(2):
+        with pytest.raises(Killed):
+            calibrate_method(model, tmp_path / 'out', recipe)
+    tensors = load_file(learned / 'difference.safetensors')
+    save_file({**tensors, 'gain': 0.5 * tensors['gain']},
+              tmp_path / 'gp' / 'difference.safetensors')
+    with pytest.raises(ConfigurationError, match='another learned torque difference'):
+        calibrate_method(model, tmp_path / 'out', recipe)
 
 
 @pytest.mark.parametrize('how', ['method', 'joints', 'a NaN', 'factors of nothing', 'shape'])

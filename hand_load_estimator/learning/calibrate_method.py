@@ -79,8 +79,8 @@ def calibrate_method(model_path, folder, recipe, write=print):
     Write the Intervals of a CalibrationRecipe for the arm of a model into `folder`.
 
     Returns the scores on other sequences, with and without the factors. Work in progress lies in
-    folder/work and is picked up by the next call with the same recipe and model. Raises
-    ConfigurationError for a method that has its own calibration.
+    folder/work and is picked up by the next call with the same recipe, model and learned function.
+    Raises ConfigurationError for a method that has its own calibration.
     """
     if recipe.method not in METHODS or with_network(recipe.method):
         raise ConfigurationError(
@@ -91,14 +91,15 @@ def calibrate_method(model_path, folder, recipe, write=print):
     # Before the first of many sequences: what it learned may not fit the model.
     method = build_method(model, ModelFollower(model).uncertainties, recipe.method,
                           recipe.learned)
-    job = job_of(model_path, recipe)
+    # What was learned, too: another function may lie in the same folder by now.
+    job = {**job_of(model_path, recipe), 'origin': origin_of(model, method)}
     spans = {'calibration': seeds.CALIBRATION[:recipe.calibration],
              'validation': seeds.VALIDATION[:recipe.validation]}
     work = begin_work(folder, job, spans)
     paths = make_sequences(model_path, work, spans,
                            MethodAnswers(recipe.method, recipe.learned), write)
     intervals = Intervals(*calibrate_stated(_read(paths['calibration']), ALL),
-                          origin=origin_of(model, method))
+                          origin=job['origin'])
     scores = _scores(_read(paths['validation']), intervals,
                      np.sqrt(method.belief().covariance[0, 0]))
     write_intervals(folder, intervals, {

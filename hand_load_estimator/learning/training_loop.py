@@ -107,7 +107,8 @@ def _same_job(work, job, sequences):
             part.write_text(json.dumps(job), encoding='utf-8')
     elif json.loads(note.read_text(encoding='utf-8')) != job:
         raise ConfigurationError(
-            work, 'holds the unfinished training of another model, recipe or start',
+            work, 'holds the unfinished training of another model, recipe or start, or what was '
+            'begun with another learned torque difference',
             todo='remove it or give another --out')
 
 
