@@ -8,6 +8,7 @@ from core_helpers import exact_model
 import numpy as np
 import pytest
 from safetensors.numpy import load_file
+import torch
 
 from hand_load_estimator import seeds
 from hand_load_estimator.cli import main
@@ -19,6 +20,7 @@ from hand_load_estimator.learning.features import feature_count
 from hand_load_estimator.learning.interval_factors import LEVELS
 from hand_load_estimator.learning.network import LoadNetwork
 from hand_load_estimator.learning.training import FINE_TUNING, Recipe, train
+from hand_load_estimator.learning.training_loop import optimise
 from hand_load_estimator.torque.model_file import write_model
 
 HIDDEN = 8
@@ -118,6 +120,17 @@ def test_a_kill_is_not_picked_up_with_another_start(folder):
     with pytest.raises(ConfigurationError, match='another model, recipe or start'):
         train(folder / 'model.yaml', folder / 'mixed', TINY, 'cpu', print,
               folder / 'recalibrated')
+
+
+@pytest.mark.parametrize('steps', [9, 10, 11])
+def test_any_number_of_steps_can_be_trained(tmp_path, monkeypatch, steps):
+    """Ten, as of 64 sequences and ten passes, divided by the zero length of the warm-up."""
+    monkeypatch.setattr(shards, 'read_shard', lambda path, device: 1.0)
+    network = torch.nn.Linear(1, 1)
+    before = network.bias.item()
+    optimise(network, Recipe(passes=steps), ['one'],
+             lambda network, shard, step: (network.bias - shard).square().sum(), tmp_path, print)
+    assert 0.0 < abs(network.bias.item() - before) < steps * Recipe().learning_rate
 
 
 def test_the_card_says_what_it_was_made_from(folder, whole):

@@ -152,8 +152,10 @@ class _Run:
     def __init__(self, network, recipe, steps, folder):
         self.network = network
         self.optimiser = torch.optim.Adam(self.network.parameters(), lr=recipe.learning_rate)
+        # Of ten steps a tenth is the first alone, a rise of no length that torch divides by.
         self.schedule = torch.optim.lr_scheduler.OneCycleLR(
-            self.optimiser, recipe.learning_rate, total_steps=max(steps, 1), pct_start=0.1)
+            self.optimiser, recipe.learning_rate, total_steps=max(steps, 1),
+            pct_start=0.11 if steps == 10 else 0.1)
         self._path = Path(folder) / _CHECKPOINT
         self.step = 0
 
