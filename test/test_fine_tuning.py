@@ -1,5 +1,6 @@
 """Fine-tuning starts from an artefact's weights, is calibrated anew and says whence it came."""
 
+from dataclasses import replace
 import hashlib
 import json
 import os
@@ -120,6 +121,26 @@ def test_a_kill_is_not_picked_up_with_another_start(folder):
     with pytest.raises(ConfigurationError, match='another model, recipe or start'):
         train(folder / 'model.yaml', folder / 'mixed', TINY, 'cpu', print,
               folder / 'recalibrated')
+
+
+def test_a_kill_is_picked_up_with_the_same_model_diagnosed_again(folder, tmp_path):
+    """`diagnose --fine-tune` dates the model in every run; with another one it is refused."""
+    model = exact_model('four', doubt=0.02)
+
+    def fine_tune(model):
+        write_model(tmp_path / 'model.yaml', model)
+
+        def kill(text):
+            raise Killed
+        train(tmp_path / 'model.yaml', tmp_path, TINY, 'cpu', kill, folder / 'first')
+
+    for seconds in (1, 2):
+        with pytest.raises(Killed):
+            fine_tune(replace(model, diagnosed=f'2026-03-01T14:30:0{seconds}+01:00'))
+    for other in (replace(model, covariance=1.1 * model.covariance),
+                  replace(model, mean=1.1 * model.mean)):
+        with pytest.raises(ConfigurationError, match='another model'):
+            fine_tune(other)
 
 
 @pytest.mark.parametrize('steps', [9, 10, 11])

@@ -34,6 +34,7 @@ def write(text):
 training.train(sys.argv[1], sys.argv[2], recipe, 'cpu', write)
 print('finished')
 '''
+JOB = {'model': {'undated': ''}}
 
 
 def train(model, folder, kill_at='', delay=0.0):
@@ -179,12 +180,12 @@ def test_a_folder_of_the_users_called_work_is_left_alone(tmp_path):
     """It was taken for the training's own, and everything in it removed at the end."""
     (tmp_path / 'work' / 'run1').mkdir(parents=True)
     with pytest.raises(ConfigurationError, match='files that are of no training'):
-        begin_work(tmp_path, {}, {'training': range(2)})
+        begin_work(tmp_path, JOB, {'training': range(2)})
     assert [p.name for p in tmp_path.rglob('*')] == ['work', 'run1']
 
 
 def test_what_others_put_into_the_work_stays(tmp_path):
-    work = begin_work(tmp_path, {}, {'training': range(2)})
+    work = begin_work(tmp_path, JOB, {'training': range(2)})
     (work / 'training').mkdir()
     names = ('training/0_2.safetensors', 'training/0_2.safetensors.7.part', 'training/notes.txt',
              'checkpoint.safetensors', 'mine.safetensors')

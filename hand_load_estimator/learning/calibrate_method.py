@@ -92,7 +92,7 @@ def calibrate_method(model_path, folder, recipe, write=print):
     method = build_method(model, ModelFollower(model).uncertainties, recipe.method,
                           recipe.learned)
     # What was learned, too: another function may lie in the same folder by now.
-    job = {**job_of(model_path, recipe), 'origin': origin_of(model, method)}
+    job = {**job_of(model_path, model, recipe), 'origin': origin_of(model, method)}
     spans = {'calibration': seeds.CALIBRATION[:recipe.calibration],
              'validation': seeds.VALIDATION[:recipe.validation]}
     work = begin_work(folder, job, spans)

@@ -56,7 +56,7 @@ def train_direct(model_path, folder, recipe, device='auto', write=print):
     keep_memory()
     model, device = read_model(model_path), pick_device(device)
     robot = model.robot
-    job, spans = job_of(model_path, recipe), spans_of(recipe)
+    job, spans = job_of(model_path, model, recipe), spans_of(recipe)
     work = begin_work(folder, job, spans)
     shards = make_sequences(model_path, work, spans, make_direct_shard, write)
     torch.manual_seed(recipe.seed)

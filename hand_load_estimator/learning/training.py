@@ -63,7 +63,7 @@ def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start
     model, device = read_model(model_path), pick_device(device)
     start = None if start_from is None else read_start(start_from, model.robot)
     recipe = recipe if start is None else start.sized(recipe)
-    job, spans = job_of(model_path, recipe, start), spans_of(recipe, start)
+    job, spans = job_of(model_path, model, recipe, start), spans_of(recipe, start)
     work = begin_work(folder, job, spans)
     shards = make_sequences(model_path, work, spans, make_shard, write)
     network = _optimised(model.robot, recipe, shards['training'], work, device, write, start)

@@ -16,6 +16,7 @@ from safetensors.torch import load_file, save_file
 from .. import seeds
 from ..errors import ConfigurationError
 from ..files.whole_file import whole_file
+from ..torque.model_file import undated_digest
 from . import shards
 from .start import sha256_of
 
@@ -61,10 +62,15 @@ class Progress:
                     f'{note}')
 
 
-def job_of(model_path, recipe, start=None):
-    """Return what a training's result follows from, as JSON has it; start: None or a Start."""
+def job_of(model_path, model, recipe, start=None):
+    """
+    Return what a training's result follows from, as JSON has it.
+
+    model: the TorqueModel of the file at model_path; start: None or a Start.
+    """
     job = {'recipe': asdict(recipe), 'started_from': None if start is None else start.note,
-           'model': {'file': Path(model_path).name, 'sha256': sha256_of(model_path)}}
+           'model': {'file': Path(model_path).name, 'sha256': sha256_of(model_path),
+                     'undated': undated_digest(model)}}
     # As JSON gives it back: tuples are lists there.
     return json.loads(json.dumps(job))
 
@@ -93,6 +99,8 @@ def begin_work(folder, job, spans):
 def _same_job(work, job, sequences):
     """Note what the work belongs to, where there is room for it; refuse to mix two jobs."""
     note = work / _NOTE
+    # A diagnosis that is run again after a kill writes the same model with another date.
+    job = {**job, 'model': job['model']['undated']}
     if not note.exists():
         if any(work.iterdir()):
             raise ConfigurationError(work, 'holds files that are of no training', allowed='no '

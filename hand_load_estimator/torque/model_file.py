@@ -5,6 +5,7 @@ Each parameter stands with mean, std and unit; correlations stand at the end. Ed
 std changes just that; the covariance is rebuilt from standard deviations and correlations.
 """
 
+from dataclasses import replace
 from datetime import datetime
 import hashlib
 import json
@@ -143,6 +144,12 @@ def model_digest(model):
     text = json.dumps([model.robot.joints, model.robot.effort.kind, uses,
                        [_number(value) for value in model.mean]])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def undated_digest(model):
+    """Return a digest of all that the file of a TorqueModel says but when it was diagnosed."""
+    text = json.dumps(model_content(replace(model, diagnosed=None)))
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def read_model(path):
