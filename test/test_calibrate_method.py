@@ -294,6 +294,12 @@ def test_what_does_not_belong_or_is_damaged_is_refused(tmp_path, how):
     assert str(tmp_path) in str(caught.value)
 
 
+@pytest.mark.parametrize('method', ['lstm', 'gru'])
+def test_intervals_given_as_what_was_learned_are_told_where_they_go(tmp_path, method):
+    with pytest.raises(ConfigurationError, match='give it as `intervals`, with method bayes'):
+        build_method(exact_model('four'), 0, method, str(written(tmp_path, four_axes())))
+
+
 def test_a_network_brings_its_own(tmp_path):
     with pytest.raises(ConfigurationError, match='brings its own'):
         build_pipeline('ur10e', 'lstm', intervals=str(written(tmp_path, four_axes())))

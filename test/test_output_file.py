@@ -1,10 +1,13 @@
 """A result that cannot be written is found out before the work, with what to do."""
 
+import json
+
 import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.errors import ConfigurationError
 from hand_load_estimator.files.output_file import output_file, output_folder
+from hand_load_estimator.learning.artefact import artefact_folder, CARD, SCHEMA
 
 
 def test_a_place_that_is_there_is_taken(tmp_path):
@@ -102,3 +105,22 @@ def test_a_file_in_the_folder_stays_too(tmp_path, capsys, command, name):
     (tmp_path / name).write_text('mine')
     assert main([*command, '--out', str(tmp_path)]) == 2
     assert str(tmp_path / name) in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('there, command', [
+    ('lstm', ['calibrate', '--method', 'bayes']), ('lstm', ['train', '--network', 'gru']),
+    ('gru', ['train']), ('intervals of bayes', ['calibrate', '--method', 'least_squares'])])
+def test_an_artefact_of_another_network_stays(tmp_path, capsys, there, command):
+    """Its card was replaced, and its weights were nobody's."""
+    (tmp_path / CARD).write_text(json.dumps({'schema': SCHEMA, 'network': there}))
+    assert main([*command, '--model', 'ur10e', '--out', str(tmp_path)]) == 2
+    assert 'another command or network' in capsys.readouterr().err
+
+
+def test_an_artefact_of_the_same_network_may_be_replaced(tmp_path):
+    for network in ('lstm', 'gru', 'intervals of bayes'):
+        (tmp_path / CARD).write_text(json.dumps({'schema': SCHEMA, 'network': network}))
+        assert artefact_folder(tmp_path, network) == tmp_path
+    (tmp_path / CARD).write_text(f'no JSON, but {SCHEMA}')
+    with pytest.raises(ConfigurationError, match='give another --out'):
+        artefact_folder(tmp_path, 'lstm')

@@ -20,13 +20,13 @@ def add_arguments(parser):
 
 def run(args):
     """Calibrate; progress goes to standard output."""
-    from ..files.output_file import output_folder
     from ..files.shared_files import find_shared
-    from ..learning.artefact import CARD, SCHEMA
+    from ..learning.artefact import artefact_folder
     from ..learning.calibrate_method import calibrate_method, CalibrationRecipe
+    from ..learning.intervals import kind_of
     model = find_shared(args.model, 'models')
     learned = args.learned and str(find_shared(args.learned, 'learned'))
-    output_folder(args.out, {CARD: SCHEMA}, (model, learned))
+    artefact_folder(args.out, kind_of(args.method), (model, learned))
 
     def write(text):
         print(text, flush=True)

@@ -4,9 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import ConfigurationError
-from ..files.output_file import output_folder
 from ..files.shared_files import find_shared
-from ..learning.artefact import CARD, SCHEMA
+from ..learning.artefact import artefact_folder
 from ..learning.direct_design import design_for, NETWORKS, SIZES
 
 EXAMPLE = """
@@ -82,7 +81,7 @@ def _train(args):
 
     model = find_shared(args.model, 'models')
     start = args.start_from and find_shared(args.start_from, 'learned')
-    output_folder(args.out, {CARD: SCHEMA}, (model, start))
+    artefact_folder(args.out, args.network, (model, start))
     if args.network == 'lstm':
         from ..learning.training import FINE_TUNING, Recipe, train
         _refuse(args, ('joints', 'parameters', *SIZES), ', '.join(NETWORKS))

@@ -12,6 +12,7 @@ import numpy as np
 from safetensors.numpy import load_file, save_file
 
 from ..errors import ConfigurationError
+from ..files.output_file import output_folder
 from ..files.same_arm import place_difference, places_of
 from ..files.whole_file import whole_file
 from .features import feature_count, INPUTS
@@ -19,6 +20,8 @@ from .interval_factors import LEVELS
 
 SCHEMA = 'hand_load/learned/1'
 WEIGHTS, CARD, NETWORK = 'lstm.safetensors', 'card.json', 'lstm'
+# What a card's network begins with where it is none, but belongs to the method that follows.
+INTERVALS = 'intervals of '
 _SHAPES = ('lstm.weight_ih_l0', 'lstm.weight_hh_l0', 'lstm.bias_ih_l0', 'lstm.bias_hh_l0',
            'joint_head.weight', 'joint_head.bias', 'load_head.weight', 'load_head.bias',
            'calibration')
@@ -31,6 +34,24 @@ class Artefact:
     weights: dict
     calibration: np.ndarray
     card: dict
+
+
+def artefact_folder(path, network, inputs=()):
+    """
+    Return the path of a folder for an artefact of a network, as of output_folder.
+
+    Only one of the same network is replaced: of another some files would stay, without their card.
+    """
+    folder = output_folder(path, {CARD: SCHEMA}, inputs)
+    if (folder / CARD).exists():
+        again = 'give another --out'
+        card = _read(folder, lambda: json.loads((folder / CARD).read_text(encoding='utf-8')),
+                     f'an artefact of {network}, or a new folder', again)
+        there = network_of(card) if isinstance(card, dict) else card
+        if there != network:
+            raise ConfigurationError(folder / CARD, 'is of what another command or network made',
+                                     there, network, again)
+    return folder
 
 
 def write_artefact(folder, weights, calibration, card):
@@ -127,7 +148,14 @@ def _check_card(folder, card, robot, network, again):
         raise ConfigurationError(folder / CARD, *other, again)
     if network_of(card) != network:
         raise ConfigurationError(folder / CARD, 'is another network', network_of(card), network,
-                                 f'take method {network_of(card)}')
+                                 _goes_with(str(network_of(card))))
+
+
+def _goes_with(network):
+    """Return what to do with an artefact of a network that was not asked for."""
+    method = network.removeprefix(INTERVALS)
+    return (f'take method {network}' if method == network else
+            f'give it as `intervals`, with method {method}')
 
 
 def _check_tensors(folder, tensors, robot):

@@ -9,7 +9,7 @@ from ..errors import ConfigurationError
 from ..estimators.model_trust import TAILS
 from ..torque.misread_weight import GAIN, LEAN, TOOTH_FRICTION
 from ..torque.model_file import model_digest
-from .artefact import read_files, write_files
+from .artefact import INTERVALS, read_files, write_files
 from .stated_factors import ALL, calibrated, LEAST_STD, usable
 
 WEIGHTS = 'intervals.safetensors'
@@ -63,7 +63,7 @@ def origin_of(model, method):
 
 def kind_of(method):
     """Return what a card says it holds that belongs to a method's intervals."""
-    return f'intervals of {method}'
+    return INTERVALS + method
 
 
 def write_intervals(folder, intervals, card):
