@@ -203,6 +203,27 @@ def test_the_configured_load_is_read():
     assert robot.effort.configured_load.mass == 1.5
 
 
+def written(tmp_path, declared, encoding):
+    """Write a robot file whose URDF has an umlaut; return its path."""
+    text = f'<?xml version="1.0" encoding="{declared}"?>\n<!-- Gr\xf6\xdfe -->{content()["urdf"]}'
+    (tmp_path / 'arm.urdf').write_bytes(text.encode(encoding))
+    (tmp_path / 'arm.yaml').write_text(yaml.safe_dump(content(urdf='arm.urdf')))
+    return tmp_path / 'arm.yaml'
+
+
+@pytest.mark.parametrize('declared, encoding', [
+    ('ISO-8859-1', 'latin-1'), ('UTF-16', 'utf-16'), ('UTF-8', 'utf-8-sig')])
+def test_a_urdf_may_have_the_encoding_that_it_declares(tmp_path, declared, encoding):
+    robot = load_robot(written(tmp_path, declared, encoding))
+    assert robot_from_content(robot.file.content, 'model').joints == chain(*'zyyx').joints
+
+
+@pytest.mark.parametrize('declared', ['UTF-8', 'no_such_one', 'big5'])
+def test_a_urdf_that_cannot_be_read_is_refused(tmp_path, declared):
+    with pytest.raises(ConfigurationError, match='in the encoding that it declares'):
+        load_robot(written(tmp_path, declared, 'latin-1'))
+
+
 def test_the_kept_content_is_self_contained(tmp_path):
     (tmp_path / 'arm.urdf').write_text(content()['urdf'])
     (tmp_path / 'arm.yaml').write_text(yaml.safe_dump(content(urdf='arm.urdf')))

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -119,7 +120,20 @@ def _urdf(section, folder):
     if not path.is_file():
         section.fail('urdf', 'names a file that is not there', str(path),
                      'a path relative to the robot file')
-    return path.read_text(encoding='utf-8')
+    try:
+        return path.read_text(encoding='utf-8-sig')
+    except UnicodeDecodeError:
+        return _of_declared_encoding(section, path)
+
+
+def _of_declared_encoding(section, path):
+    """Return the text of a URDF that is not UTF-8, without the declaration of its encoding."""
+    try:
+        return ElementTree.tostring(ElementTree.parse(path).getroot(), encoding='unicode')
+    # An encoding that Python does not know is a LookupError or a ValueError.
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        section.fail('urdf', f'names a file that cannot be read ({error})', str(path),
+                     'a URDF in UTF-8, or in the encoding that it declares')
 
 
 def parse_robot(content, where, folder='.'):
