@@ -105,6 +105,28 @@ def test_names_yaml_would_misread_are_quoted(tmp_path):
     assert robot.joints[2] == 'on'
 
 
+@pytest.mark.parametrize('name', ['{x', '@j', '*x', 'a]', 'a: b', 'a, b', 'j #1', '12'])
+def test_names_of_any_characters_are_kept(tmp_path, name):
+    path = urdf(tmp_path)
+    path.write_text(path.read_text().replace('"tiny"', f'"{name}"').replace('"j2"', f'"{name}"'))
+    robot = load_robot(completed(draft(tmp_path, path)))
+    assert robot.name == name and robot.joints == ('j1', name, 'on')
+
+
+@pytest.mark.parametrize('old, new, why', [
+    ('parent link="base"', 'parent link="flange"', 'behind itself'),
+    ('parent link="base"', 'parent link="zz"', 'joint j1: parent'),
+    ('<child link="l2"/>', '<child/>', 'joint j2: child'),
+    ('<link name="l1">', '<link>', 'has a link without a name'),
+    ('joint name="j2"', 'joint', 'has a joint without a name')])
+def test_what_is_no_tree_is_refused(tmp_path, capsys, old, new, why):
+    path = urdf(tmp_path)
+    path.write_text(path.read_text().replace(old, new))
+    assert main(['new-robot', str(path), '--out', str(tmp_path / 'r.yaml')]) == 2
+    said = capsys.readouterr().err.strip()
+    assert why in said and '\n' not in said
+
+
 @pytest.mark.parametrize('content, why', [
     ('nonsense', 'not XML'), ('<sdf/>', 'not a URDF'),
     ('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>', 'xacro'),

@@ -73,7 +73,8 @@ def _parse(path):
         root = ElementTree.parse(path).getroot()
     except FileNotFoundError:
         raise ConfigurationError(path, 'is not there', allowed='the path of a URDF') from None
-    except (ElementTree.ParseError, UnicodeDecodeError) as error:
+    # An encoding that Python does not know is a LookupError or a ValueError.
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise ConfigurationError(path, f'is not XML ({error})', allowed='a URDF') from None
     if root.tag != 'robot':
         raise ConfigurationError(path, 'is not a URDF', f'<{root.tag}>', '<robot>')
@@ -84,10 +85,29 @@ def _parse(path):
     return root
 
 
-def _path_to(link, parent_joint):
-    """Return the joint elements from the root to a link."""
+def _refuse_broken(path, root, links):
+    """Refuse links and joints without a name, and joints whose ends are no links."""
+    for element in (*root.findall('link'), *root.findall('joint')):
+        if not element.get('name'):
+            raise ConfigurationError(path, f'has a {element.tag} without a name',
+                                     todo='give it one')
+    for joint in root.findall('joint'):
+        for end in ('parent', 'child'):
+            found = joint.find(end)
+            link = None if found is None else found.get('link')
+            if link not in links:
+                raise ConfigurationError(f'{path}: joint {joint.get("name")}: {end}',
+                                         'is not a link of the URDF', str(link),
+                                         ', '.join(links))
+
+
+def _path_to(file, link, parent_joint):
+    """Return the joint elements from the root to a link; file: the URDF's path, for messages."""
     path = []
-    while link in parent_joint and len(path) <= len(parent_joint):
+    while link in parent_joint:
+        if len(path) == len(parent_joint):
+            raise ConfigurationError(f'{file}: link {link}', 'is behind itself',
+                                     allowed='links that branch from one')
         path.append(parent_joint[link])
         link = path[-1].find('parent').get('link')
     return path[::-1]
@@ -137,11 +157,11 @@ def read_chain(path, tip=None):
     """Return the Chain of a URDF file to `tip` (default: the usual or farthest one)."""
     root = _parse(path)
     links = [link.get('name') for link in root.findall('link')]
-    parent_joint = {joint.find('child').get('link'): joint for joint in root.findall('joint')
-                    if joint.find('child') is not None and joint.find('parent') is not None}
+    _refuse_broken(path, root, links)
+    parent_joint = {joint.find('child').get('link'): joint for joint in root.findall('joint')}
     if tip is not None and tip not in links:
         raise ConfigurationError('--tip', 'is not a link of the URDF', tip, ', '.join(links))
-    paths = {link: _path_to(link, parent_joint) for link in links}
+    paths = {link: _path_to(path, link, parent_joint) for link in links}
     if not any(_movable(p) for p in paths.values()):
         raise ConfigurationError(path, 'has no movable joint', allowed=', '.join(_MOVABLE))
     tip = tip or _choose_tip(links, paths)
@@ -162,7 +182,11 @@ def read_chain(path, tip=None):
 
 def _text(value):
     """Return a name as YAML, quoted where YAML would read something else."""
-    return value if yaml.safe_load(value) == value and ',' not in value else json.dumps(value)
+    try:
+        plain = yaml.safe_load(f'[{value}]') == [value]
+    except yaml.YAMLError:
+        plain = False
+    return value if plain else json.dumps(value)
 
 
 def _list(values):
