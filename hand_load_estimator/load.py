@@ -110,7 +110,9 @@ class LoadParameters:
             return False
         if self.mass == 0.0:
             return not np.any(self.inertia)
-        return bool(np.linalg.eigvalsh(_second_moments(self.inertia))[0] >= -1e-9)
+        with np.errstate(over='ignore', invalid='ignore'):
+            moments = _second_moments(self.inertia)
+        return bool(np.isfinite(moments).all() and np.linalg.eigvalsh(moments)[0] >= -1e-9)
 
 
 def products_from_message(vector):

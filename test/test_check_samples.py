@@ -53,6 +53,17 @@ def test_fahrenheit_and_none_are_doubts(robot, motion):
          temperatures='doubt')
 
 
+@pytest.mark.parametrize('joints', [slice(None), slice(2, 3)])
+def test_efforts_too_large_for_any_unit_are_none(robot, motion, joints):
+    """Their squares are infinite, and what was made of them ended in a traceback."""
+    effort = torque(robot, motion)
+    effort[:, joints] = 1e300
+    assert verdicts(robot, recording(robot, motion, effort))['values'] == 'wrong'
+    few = torque(robot, motion)
+    few[1000, joints] = 1e300
+    only(verdicts(robot, recording(robot, motion, few)), values='doubt')
+
+
 def test_gaps_and_stamps(robot, motion):
     t, q, v, a = motion
     effort, late = torque(robot, motion), t.copy()

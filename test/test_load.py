@@ -159,6 +159,7 @@ def test_pseudo_inertia_tells_bodies_from_numbers():
     (LoadParameters(0.0, np.zeros(3), 0.01 * np.eye(3)), False),
     (LoadParameters(-1.0), False),
     (LoadParameters(1.0, [np.nan, 0.0, 0.0]), False),
+    (LoadParameters(1.0, np.zeros(3), np.full((3, 3), 1e308)), False),
     (LoadParameters(2.0, np.zeros(3), np.diag([0.01, 0.01, 0.02])), True)])
 def test_edges_of_physicality(load, physical):
     assert load.is_physical() is physical
@@ -209,6 +210,7 @@ def test_a_load_file_may_say_that_its_load_is_assumed(tmp_path):
 @pytest.mark.parametrize('text, key', [
     ('mass: 1.0\nassumed: perhaps\n', 'assumed'),
     ('mass: -1.0\n', 'mass'), ('mass: heavy\n', 'mass'), ('com: [0, 0, 0]\n', 'mass'),
+    (f'mass: 1{400 * "0"}\n', 'mass'), (f'mass: 1.0\ncom: [0, 0, 1{400 * "0"}]\n', 'com'),
     ('mass: 1.0\ncom: [0, 0]\n', 'com'), ('mass: 1.0\ninertia: [1, 0, 0]\n', 'inertia'),
     ('mass: 1.0\ninertia: [0.01, 0, 0, 0.01, 0, 0.05]\n', 'inertia'),
     ('mass: .nan\n', 'mass'), ('mass: 1.0\ncolour: red\n', 'colour'), ('[1, 2]\n', 'mapping'),

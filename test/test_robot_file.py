@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.files.configuration import Section
 from hand_load_estimator.robot import load_robot, robot_from_content
 
 
@@ -183,6 +184,12 @@ def test_what_is_no_mapping_is_refused(tmp_path, text, what):
     path.write_text(text)
     with pytest.raises(ConfigurationError, match=what):
         load_robot(path)
+
+
+@pytest.mark.parametrize('value', [10 ** 400, -10 ** 400, np.inf, True, 'ten', [1.0]])
+def test_what_is_no_number_is_refused(value):
+    with pytest.raises(ConfigurationError, match='here: mean: is not usable'):
+        Section({'mean': value}, 'here').number('mean')
 
 
 def test_a_robot_file_that_is_not_there(tmp_path):

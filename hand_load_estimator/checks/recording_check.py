@@ -16,6 +16,8 @@ from .stamps import check_stamps
 from .temperatures import check_temperatures
 
 SCHEMA = 'hand_load/check/1'
+# More than this many times max_torque is no unit's, and sums of its squares are no numbers.
+_NO_EFFORT = 1e12
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ def _check_signals(recording, robot, time, position, velocity, effort):
 def check_recording(recording, robot):
     """Return the RecordingCheck of a Recording for a Robot; bad data becomes a finding."""
     time, position, velocity, effort = arrays(recording, robot.joints)
+    most = _NO_EFFORT * robot.limits.torque / np.abs(robot.effort.torque_constants)
+    effort = np.where(np.abs(effort) > most, np.nan, effort)
     findings, table = [_joints(recording, robot, len(time))], {}
     if len(time):
         findings += check_stamps(time)

@@ -29,11 +29,20 @@ def read_yaml(path):
     return content
 
 
-def _number_of_text(value):
-    """Return a number written as 1e-3, which YAML 1.1 takes for text without a dot."""
+def _float_of(value):
+    """
+    Return a value as float, NaN for what is no number or larger than any float.
+
+    A number may be written as 1e-3, which YAML 1.1 takes for text without a dot.
+    """
     if isinstance(value, str) and re.fullmatch(r'[-+]?\d+[eE][-+]?\d+', value):
         return float(value)
-    return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return np.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return np.nan
 
 
 class Section:
@@ -77,11 +86,11 @@ class Section:
     def number(self, key, low=-np.inf, high=np.inf):
         """Return a finite number within [low, high]."""
         allowed = f'a number in [{low:g}, {high:g}]'
-        value = _number_of_text(self.get(key, allowed))
-        if isinstance(value, bool) or not isinstance(value, (int, float)) \
-                or not low <= value <= high or not np.isfinite(value):
+        value = self.get(key, allowed)
+        number = _float_of(value)
+        if not low <= number <= high or not np.isfinite(number):
             self.fail(key, 'is not usable', value, allowed)
-        return float(value)
+        return number
 
     def flag(self, key):
         """Return a bool."""
@@ -106,7 +115,7 @@ class Section:
         value = self.get(key, allowed)
         try:
             array = np.array(value, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             array = np.array([])
         if array.shape != (size,) or not np.all(np.isfinite(array)) \
                 or np.any(array < low) or np.any(array > high):
