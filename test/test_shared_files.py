@@ -35,6 +35,11 @@ def test_an_artefact_of_ones_own_comes_first(here, name):
     assert find_shared(name, 'learned').samefile(here / name)
 
 
+def test_the_home_of_a_user_whom_nobody_knows_is_no_path():
+    with pytest.raises(ConfigurationError, match='neither a path nor a shipped file'):
+        find_shared('~no_such_user/arm.yaml', 'robots')
+
+
 def test_short_names_are_those_of_shipped_files(here):
     assert find_shared('ur10e_gru', 'learned') == SHIPPED / 'learned' / 'ur10e_gru'
     with pytest.raises(ConfigurationError, match='one of ur10e, ur10e_current'):

@@ -184,6 +184,14 @@ def test_a_folder_of_the_users_called_work_is_left_alone(tmp_path):
     assert [p.name for p in tmp_path.rglob('*')] == ['work', 'run1']
 
 
+@pytest.mark.parametrize('content', [b'{', b'\xff'])
+def test_work_with_a_damaged_note_is_refused(tmp_path, content):
+    (tmp_path / 'work').mkdir()
+    (tmp_path / 'work' / 'job.json').write_bytes(content)
+    with pytest.raises(ConfigurationError, match='job.json: is damaged'):
+        begin_work(tmp_path, JOB, {'training': range(2)})
+
+
 def test_what_others_put_into_the_work_stays(tmp_path):
     work = begin_work(tmp_path, JOB, {'training': range(2)})
     (work / 'training').mkdir()

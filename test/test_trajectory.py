@@ -87,7 +87,8 @@ def test_csv_round_trip_and_wanted_order(tmp_path):
 
 
 @pytest.mark.parametrize('text, said', [
-    ('', 'lacks columns'), ('t,a.position\n0,0\n1,0\n', 'a.velocity'),
+    (f'"{200000 * "1"}"', 'cannot be read'), ('', 'lacks columns'),
+    ('t,a.position\n0,0\n1,0\n', 'a.velocity'),
     ('t,a.position,a.velocity,a.acceleration\n0,0,0,0\n', 'at least two'),
     ('t,a.position,a.velocity,a.acceleration\n0,0,0,0\n1,x,0,0\n', 'not a motion'),
     ('t,a.position,a.velocity,a.acceleration\n0,0,0,0\n1,0\n', 'not a motion')])

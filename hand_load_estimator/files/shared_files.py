@@ -30,7 +30,10 @@ def find_shared(name, *folders):
     folders: where under config/ short names are looked for, e.g. 'robots'. A folder in the way
     does not hide a shipped file of the same short name: no folder is what is asked for then.
     """
-    direct = Path(name).expanduser()
+    try:
+        direct = Path(name).expanduser()
+    except RuntimeError:  # of a user whom nobody knows
+        direct = Path(name)
     if direct.exists() and not direct.is_dir():
         return direct
     config = share_folder() / 'config'

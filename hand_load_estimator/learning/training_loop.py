@@ -113,11 +113,19 @@ def _same_job(work, job, sequences):
                                      f'{free / 1e9:.1f} GB', f'{needed / 1e9:.1f} GB or more')
         with whole_file(note) as part:
             part.write_text(json.dumps(job), encoding='utf-8')
-    elif json.loads(note.read_text(encoding='utf-8')) != job:
+    elif _noted(note) != job:
         raise ConfigurationError(
             work, 'holds the unfinished training of another model, recipe or start, or what was '
             'begun with another learned torque difference',
             todo='remove it or give another --out')
+
+
+def _noted(note):
+    try:
+        return json.loads(note.read_text(encoding='utf-8'))
+    except ValueError as error:
+        raise ConfigurationError(note, f'is damaged ({error})',
+                                 todo='remove its folder or give another --out') from None
 
 
 def end_work(work, made):

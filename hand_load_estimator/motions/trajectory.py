@@ -154,7 +154,7 @@ def read_trajectory_csv(path, joints=None):
     try:
         with open(path, newline='', encoding='utf-8') as file:
             header, *rows = [row for row in csv.reader(file) if row] or [[]]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ConfigurationError(path, f'cannot be read ({error})',
                                  todo='give the path of a motion CSV') from None
     header = [name.strip() for name in header]
