@@ -1,11 +1,14 @@
 """Worker processes that do not outlive what they work for."""
 
 from concurrent.futures import as_completed, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import active_children, get_context
 import os
 import signal
 import threading
 import time
+
+from .errors import ConfigurationError
 
 
 def worker_results(work, calls, count=None, context=None, jobs_each=None):
@@ -15,7 +18,8 @@ def worker_results(work, calls, count=None, context=None, jobs_each=None):
     count: processes (None: one per core); context: of multiprocessing (None: fork, which starts
     at once; workers are children of this process, so no fork server); jobs_each: calls until a
     process is replaced (None: never), not with fork. Where this ends before the last result
-    (Ctrl-C, an error of a call, `close`) the processes are ended at once.
+    (Ctrl-C, an error of a call, `close`) the processes are ended at once. Raises
+    ConfigurationError where one was killed.
     """
     others = active_children()
     with ProcessPoolExecutor(count or os.cpu_count() or 1, context or get_context('fork'),
@@ -23,10 +27,15 @@ def worker_results(work, calls, count=None, context=None, jobs_each=None):
         try:
             for job in as_completed(_submitted(pool, work, calls)):
                 yield job.result()
-        except BaseException:
+        except BaseException as error:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in set(active_children()).difference(others):
                 process.kill()
+            if isinstance(error, BrokenProcessPool):
+                raise ConfigurationError(
+                    'a worker process', 'was killed, probably for want of memory',
+                    todo='free some and give the command again: it goes on with what is done'
+                ) from None
             raise
 
 

@@ -111,6 +111,12 @@ def test_one_interrupt_ends_a_run_and_its_workers(tmp_path, backend, send):
                 os.killpg(run.pid, signal.SIGKILL)
 
 
+def test_a_killed_worker_is_told_in_a_line():
+    """As the kernel does when memory runs out."""
+    with pytest.raises(ConfigurationError, match='killed, probably for want of memory'):
+        list(worker_results(signal.raise_signal, [(signal.SIGKILL,)] * 3, 1))
+
+
 def test_workers_leave_an_interrupt_to_their_parent():
     """So that none tells of it, nor one that took the place of another."""
     ask = signal.SIG_BLOCK, ()
