@@ -7,16 +7,20 @@ import numpy as np
 import pinocchio as pin
 
 from .errors import ConfigurationError
+from .files.link_masses import refuse_masses
 from .files.robot_file import JointLimits, parse_robot, read_robot_file
 from .load import products_transform
 
 
-def _with_angles(urdf):
-    """Return the URDF with continuous joints as revolute ones: here an angle is an angle."""
+def _parsed(urdf):
     try:
-        root = ElementTree.fromstring(urdf)
+        return ElementTree.fromstring(urdf)
     except ElementTree.ParseError:
-        return urdf  # pinocchio says what is wrong with it
+        return None  # pinocchio says what is wrong with it
+
+
+def _with_angles(root):
+    """Return a URDF's text with continuous joints as revolute ones: here an angle is an angle."""
     for joint in root.iter('joint'):
         if joint.get('type') == 'continuous':
             joint.set('type', 'revolute')
@@ -27,10 +31,10 @@ def _with_angles(urdf):
 
 def _build_model(file):
     """Return the pinocchio model with only the robot file's joints, in their order."""
-    urdf = _with_angles(file.urdf)
+    root = _parsed(file.urdf)
     where = f'{file.where}: urdf'
     try:
-        full = pin.buildModelFromXML(urdf)
+        full = pin.buildModelFromXML(file.urdf if root is None else _with_angles(root))
     except (ValueError, RuntimeError) as error:
         raise ConfigurationError(where, f'is not a usable URDF ({error})') from None
     movable = [name for name in full.names if name != 'universe']
@@ -54,6 +58,8 @@ def _build_model(file):
     if not model.existFrame(file.load_frame):
         raise ConfigurationError(f'{file.where}: load_frame', 'is not in the URDF',
                                  file.load_frame, ', '.join(f.name for f in model.frames))
+    if root is not None:
+        refuse_masses(root, file.joints, where)
     model.gravity.linear = np.array(file.gravity)
     return model
 

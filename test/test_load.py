@@ -5,8 +5,10 @@ import numpy as np
 import pinocchio as pin
 from plant_helpers import ur10e
 import pytest
+import yaml
 
 from hand_load_estimator.errors import ConfigurationError
+from hand_load_estimator.files.configuration import read_yaml
 from hand_load_estimator.files.load_file import load_of_argument, read_load_file, write_load_file
 from hand_load_estimator.load import (LoadEstimate, LoadParameters, message_from_products,
                                       message_from_shape, message_jacobian_of_shape,
@@ -221,6 +223,28 @@ def test_wrong_load_files_are_refused_with_place_and_key(tmp_path, text, key):
     with pytest.raises(ConfigurationError) as caught:
         read_load_file(path)
     assert str(path) in str(caught.value) and key in str(caught.value)
+
+
+@pytest.mark.parametrize('loader', ['CSafeLoader', 'SafeLoader'])
+def test_a_key_that_is_there_twice_is_refused(tmp_path, monkeypatch, loader):
+    """The last held: a load of 2.5 kg was one of 0.25 kg."""
+    monkeypatch.setattr(yaml, 'CSafeLoader', getattr(yaml, loader))
+    path = tmp_path / 'load.yaml'
+    for text, key, lines in (('mass: 2.5\ncom: [0, 0, 0.1]\nmass: 0.25\n', 'mass', '1 and 3'),
+                             ('a: [{b: 1, b: 2}]\n', 'b', '1 and 1')):
+        path.write_text(text)
+        with pytest.raises(ConfigurationError, match=f'{path}: {key}: .*lines {lines}'):
+            read_yaml(path)
+
+
+@pytest.mark.parametrize('loader', ['CSafeLoader', 'SafeLoader'])
+def test_a_key_that_is_merged_may_be_told_anew(tmp_path, monkeypatch, loader):
+    monkeypatch.setattr(yaml, 'CSafeLoader', getattr(yaml, loader))
+    path = tmp_path / 'load.yaml'
+    path.write_text('a: &a {m: 1, n: 2}\nb: {in: &b {<<: *a, m: 3}}\nc: {<<: [*b], n: 4}\n'
+                    'd: &d [*a, *d]\n')
+    content = read_yaml(path)
+    assert content['b']['in'] == {'m': 3, 'n': 2} and content['c'] == {'m': 3, 'n': 4}
 
 
 def test_load_argument_is_none_or_a_file(tmp_path):

@@ -176,6 +176,22 @@ def test_a_floating_joint_is_refused():
         robot_from_content(content(urdf=urdf), 'test')
 
 
+@pytest.mark.parametrize('mass', ['-1.5', '0', '0.0', '1,5', 'nan', 'inf', ''])
+def test_a_mass_that_no_link_has_is_refused(mass):
+    """Pinocchio took such links for weightless, or for what lifts the arm."""
+    urdf = content()['urdf'].replace('<mass value="1.5"/>', f'<mass value="{mass}"/>')
+    with pytest.raises(ConfigurationError, match=f'link l1: has a mass.*{mass}'):
+        robot_from_content(content(urdf=urdf), 'test')
+
+
+def test_frames_and_links_without_inertia_need_no_mass():
+    zero = ('<link name="tip"><inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" '
+            'iyy="0" iyz="0" izz="0"/></inertial></link>')
+    urdf = content()['urdf'].replace('<link name="tip"/>', zero)
+    urdf = re.sub('<link name="l1">.*?</link>', '<link name="l1"/>', urdf)
+    assert robot_from_content(content(urdf=urdf), 'test').nominal_links[10] == 0.0
+
+
 @pytest.mark.parametrize('text, what', [
     ('- j0\n- j1\n', 'not a mapping'), ('name: [\n', 'not YAML'), ('', 'not a mapping'),
     ('built: 2024-13-45\n', 'not YAML.*month'), ('a: ' + 2000 * '[', 'not YAML')])

@@ -8,6 +8,8 @@ import yaml
 
 from ..errors import ConfigurationError
 
+_MERGE = 'tag:yaml.org,2002:merge'
+
 
 def read_yaml(path):
     """Return the mapping in a YAML file; ConfigurationError when it is not one."""
@@ -18,7 +20,7 @@ def read_yaml(path):
         raise ConfigurationError(path, f'cannot be read ({error})',
                                  todo='give the path of a readable YAML file') from None
     try:
-        content = yaml.load(text, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
+        content = _loaded(text, path)
     # A date that no calendar has, or a number of no base, is a plain ValueError.
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         reason = ' '.join(str(error).split())
@@ -27,6 +29,48 @@ def read_yaml(path):
         raise ConfigurationError(path, 'is not a mapping of names to values',
                                  type(content).__name__)
     return content
+
+
+def _loaded(text, path):
+    """Return what YAML says; refuse a key that is there twice, of which the last would hold."""
+    loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        # Before it is constructed, which puts merged keys beside a mapping's own.
+        _refuse_twice(node, path)
+        return loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
+def _refuse_twice(root, path):
+    for mapping in _mappings(root):
+        lines = {}
+        for key, _ in mapping.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag == _MERGE:
+                continue
+            line = key.start_mark.line + 1
+            before = lines.setdefault((key.tag, key.value), (key, line))
+            if before[0] is not key:
+                raise ConfigurationError(f'{path}: {key.value}', 'is there twice',
+                                         f'lines {before[1]} and {line}', 'once', 'remove one')
+
+
+def _mappings(root):
+    """Yield the mappings below a YAML node, each once: what is named may be used again."""
+    todo, seen = [root], set()
+    while todo:
+        node = todo.pop()
+        if node in seen or isinstance(node, yaml.ScalarNode):
+            continue
+        seen.add(node)
+        if isinstance(node, yaml.MappingNode):
+            yield node
+            todo += [value for _, value in node.value]
+        else:
+            todo += node.value
 
 
 def _float_of(value):
