@@ -107,13 +107,13 @@ def test_the_plant_obeys_up_to_the_limits_of_the_urdf():
 
 
 def test_a_continuous_joint_may_turn_on():
-    content = {**chain('z', 'y').file.content}
+    content = {**chain('z', 'y', 'x').file.content}
     content['urdf'] = content['urdf'].replace('type="revolute"', 'type="continuous"', 1).replace(
         'lower="-2.5" upper="2.5"', '', 1)
     plant = Plant(robot_from_content(content, 'test'))
-    plant.set_trajectory(('j0', 'j1'), [5.0], [[9.0, 0.0]])
+    plant.set_trajectory(plant.robot.joints, [5.0], [[9.0, 0.0, 0.0]])
     with pytest.raises(TrajectoryError, match='j1 is sent to 9'):
-        plant.set_trajectory(('j0', 'j1'), [5.0], [[0.0, 9.0]])
+        plant.set_trajectory(plant.robot.joints, [5.0], [[0.0, 9.0, 0.0]])
 
 
 def test_a_single_point_at_time_zero_is_reached():

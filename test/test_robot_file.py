@@ -48,6 +48,14 @@ def test_arms_of_any_number_of_axes(axes):
                                robot.rigid_torque(q, v, a), atol=1e-9)
 
 
+@pytest.mark.parametrize('axes', [('y',), ('z', 'prismatic z')])
+def test_fewer_than_three_axes_are_refused(axes):
+    """`excite` and `identify` ended in tracebacks; a gantry of three is an arm."""
+    with pytest.raises(ConfigurationError, match='joints: are too few.*3 or more'):
+        chain(*axes)
+    assert chain('prismatic x', 'prismatic y', 'prismatic z').n == 3
+
+
 def test_a_prismatic_axis_is_an_axis():
     robot = chain('z', 'prismatic z', 'y')
     assert robot.n == 3 and robot.limits.upper[1] == pytest.approx(0.15)
