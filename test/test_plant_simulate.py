@@ -168,3 +168,16 @@ def test_what_the_plant_refuses_leaves_no_recording(tmp_path, capsys):
     assert main(['simulate', '--robot', 'ur10e', '--out', str(out), '--duration', '2',
                  '--effects', str(effects)]) == 2
     assert 'backlash' in capsys.readouterr().err and not out.exists()
+
+
+@pytest.mark.parametrize('effect', [
+    '{name: viscous_friction, joints: [wrist_3_joint], parameters: {coefficient: 3000}}',
+    '{name: gravity_spring, parameters: {stiffness: 1e30}}'])
+def test_an_arm_that_runs_away_is_no_recording(tmp_path, capsys, effect):
+    """It was written with infinite positions and told as a success."""
+    (tmp_path / 'effects.yaml').write_text(f'effects: [{effect}]\n')
+    status, path = simulate(tmp_path, '--duration', '2', '--rate', '100', '--effects',
+                            str(tmp_path / 'effects.yaml'))
+    said = capsys.readouterr().err.strip()
+    assert status == 2 and not path.exists()
+    assert 'runs away' in said and 'make effects weaker' in said and '\n' not in said

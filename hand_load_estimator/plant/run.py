@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import ConfigurationError
 from .plant import Plant
 
 TEMPERATURE_RATE = 10.0  # [Hz]
+_RUNAWAY = 100.0  # times max_velocity; an arm in free fall stays far below
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ def simulate_motion(robot, time, position, velocity=None, acceleration=None, *, 
     Return the JointEvents and TemperatureEvents, one by one, of a new Plant led along a motion.
 
     The Plant is built and shown the motion at once, so that what it refuses is refused before
-    anything is written.
+    anything is written. ConfigurationError on the way where the integration comes apart.
 
     time (k,) [s] from the motion's start; position, velocity, acceleration (k, n) as
     Plant.set_trajectory takes them. The arm stands at the first position for `settle` [s]
@@ -58,13 +60,30 @@ def follow_motion(plant, time, position, velocity=None, acceleration=None, *, se
         stamp = begin + k / plant.rate
         while changes and changes[0][0] <= stamp - begin:
             plant.attach(changes.pop(0)[1])
-        plant.step_until(stamp)
+        # What overflows is told below, in one sentence.
+        with np.errstate(all='ignore'):
+            plant.step_until(stamp)
+        _refuse_runaway(plant)
         if not started and stamp - begin >= settle:
             plant.set_trajectory(plant.robot.joints, time, position, velocity, acceleration)
             started = True
         yield JointEvent(plant.time, *plant.measure())
         if k % every == 0:
             yield TemperatureEvent(plant.time, plant.measure_temperatures())
+
+
+def _refuse_runaway(plant):
+    """Raise ConfigurationError where the integration has come apart: no arm moves so."""
+    _, velocity, _, torque = plant.state()
+    share = np.abs(velocity) / plant.robot.limits.velocity
+    if (share <= _RUNAWAY).all() and np.isfinite(torque).all():
+        return
+    joint = int(np.argmax(np.nan_to_num(share, nan=np.inf)))
+    raise ConfigurationError(
+        f'simulated arm at {plant.time:.2f} s', f'{plant.robot.joints[joint]} runs away',
+        f'{velocity[joint]:.3g} rad/s', f'up to {_RUNAWAY:g} times max_velocity',
+        'make effects weaker that are too stiff for steps of a millisecond; without any, compare '
+        'masses and inertias of the URDF with max_torque')
 
 
 def collect(events):

@@ -1,6 +1,7 @@
 """`hand_load simulate`: a recording of the simulated arm, with its load.yaml."""
 
 from pathlib import Path
+import shutil
 import sys
 import time
 
@@ -91,7 +92,12 @@ def run(args):
                              run=args.motion_seed, load=load,
                              effects=effects, start_temperature=temperature, rate=args.rate)
     began = time.monotonic()
-    count = _write(out, events, robot.joints, load, SETTLE + motion.end)
+    try:
+        count = _write(out, events, robot.joints, load, SETTLE + motion.end)
+    except ConfigurationError:
+        # Half of a motion that no arm makes is no recording.
+        shutil.rmtree(out)
+        raise
     took = time.monotonic() - began
     print(f'{args.out}: {SETTLE + motion.end:.1f} s of {robot.file.name}, {count} joint states, '
           f'load {_told(load)}; {(SETTLE + motion.end) / took:.1f} times real time')
