@@ -9,7 +9,7 @@ from residual_helpers import (assert_repaired, clean_runs, constant_friction, de
 
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.residual.diagnose import diagnose
-from hand_load_estimator.residual.diagnosis import CONFIRMED, SUSPECTED
+from hand_load_estimator.residual.diagnosis import CONFIRMED
 from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.residual.tracing.delay_among_others import delay_among, delayed
 from hand_load_estimator.residual.tracing.hypotheses import hypotheses, of_shapes
@@ -32,15 +32,15 @@ def late_with(function, times, delay=DELAY):
     return effect
 
 
-@pytest.mark.parametrize('messages, verdict', [(10, CONFIRMED), (1, SUSPECTED)])
-def test_how_short_a_delay_may_be_depends_on_the_rate_of_joint_states(messages, verdict):
+@pytest.mark.parametrize('messages, verdicts', [(10, [CONFIRMED]), (1, [])])
+def test_how_short_a_delay_may_be_depends_on_the_rate_of_joint_states(messages, verdicts):
     """Not on the spacing of rows, which are means of several."""
     evidence = [replace(run, motion=replace(run.motion, messages=np.full(
         len(run.torque), messages))) for run in recorded(late_with(ripple, 30.0, 0.009))]
     diagnosis, _ = diagnose(declared_model(), evidence[:-1], evidence[-1:])
     found = [f for f in diagnosis.findings if f.name == 'time_delay']
-    assert [(f.verdict, len(f.joints)) for f in found] == [(verdict, 1)]
-    assert found[0].parameters['delay'][0] == pytest.approx(0.009, rel=0.2)
+    assert [f.verdict for f in found] == verdicts and all(len(f.joints) == 1 for f in found)
+    assert all(f.parameters['delay'][0] == pytest.approx(0.009, rel=0.2) for f in found)
 
 
 @pytest.mark.parametrize('function, name, parameter', [

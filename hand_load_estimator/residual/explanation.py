@@ -104,6 +104,11 @@ def _explained(model, recordings, whole, outside, test, progress):
         recordings) else usable_residual(model, evidence)
     own = made_from(model, evidence)
     trace = _traced(model, residual, warmed[0], own, progress)
+    # What is found first is no noise: only the rest tells how much there is.
+    noisy = residual.as_noisy_as(left_over(model.robot, trace.blocks), model.residuals.intensity)
+    if noisy is not residual:
+        progress('once more, as noisy as these recordings are')
+        residual, trace = noisy, _traced(model, noisy, warmed[0], own, progress)
     progress('estimating everything together')
     misled = own and bool(outside.found)
     refitted = own and not test and bool(trace.steps or outside.found)

@@ -98,6 +98,8 @@ def true_delay(residual, seconds):
 
 def noisier_recordings(residual, evidence):
     """Return the sentences on Evidence of a Residual that is noisier than the model states."""
+    if residual.noisier is None:
+        return []
     times = residual.noisier.max(axis=1)
     return [f'cannot tell weak effects from {own.name}, whose torques are {np.sqrt(most):.1f} '
             'times as noisy as the model states: joint states come less often than in its own '

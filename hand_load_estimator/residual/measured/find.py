@@ -46,9 +46,9 @@ class Residual:
     LoadParameters known to be held in each; cut: into blocks; moving (N, n): where joints slide;
     sliding (N, n): where they slide by the watch's stricter measure (sliding.py); expected (n,)
     [Nm]: RMS of the torque that the model itself says it may be wrong by; noise (n,) [Nm]: RMS
-    of what the model leaves that is surely noise; noisier (K, n): how many times as dense that of
-    each part is as the model states; delays {joint: [s]}: how late a joint was
-    found to report its torque, declared what the model says of that.
+    of what the model leaves that is surely noise; noisier (K, n): how many times as dense as the
+    model states the noise of each part is, None for as stated; delays {joint: [s]}: how late a
+    joint was found to report its torque, declared what the model says of that.
     """
 
     x: EffectInput
@@ -67,7 +67,7 @@ class Residual:
     sliding: np.ndarray
     expected: np.ndarray
     noise: np.ndarray
-    noisier: np.ndarray
+    noisier: np.ndarray | None = None
     delays: dict = field(default_factory=dict)
     declared: dict = field(default_factory=dict)
     _paths: dict = field(default_factory=dict)
@@ -117,6 +117,20 @@ class Residual:
                               *np.repeat(np.array(ways).T, n, axis=1))
         self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
 
+    def as_noisy_as(self, rest, stated):
+        """
+        Return the Residual with as much noise as a rest (N, n) [Nm] of it shows.
+
+        The same where that is about as dense as stated (n,) [Nm^2 s].
+        """
+        times = np.array([times_noisier(rest[own], self.dt[own], self.messages[own], stated)
+                          for own in (self.owner == k for k in range(self.owner[-1] + 1))])
+        if (times == 1.0).all():
+            return self
+        return replace(self, noisier=times, weights=self.weights / times[self.owner],
+                       turning=self.turning / times[self.owner],
+                       noise=self.noise * np.sqrt(times.max(axis=0)))
+
     def blocks(self, root=None):
         """
         Return the Blocks to compare hypotheses on.
@@ -148,7 +162,6 @@ def find_residual(model, evidence, cut=True):
     inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
                                 [(model.presliding_distance(), model.presliding_power())]))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
-    noisier = np.array([p.pop('noisier') for p in parts])
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
     owner = np.concatenate([np.full(len(p['dt']), k) for k, p in enumerate(parts)])
@@ -156,11 +169,10 @@ def find_residual(model, evidence, cut=True):
     pieces = cut_into_blocks(joined['dt'], owner, recording, first_shown(
         x.q, x.v, joined['dt'], owner)) if cut else UNCUT
     floor = noise_floor(joined['residual'], joined['dt'], joined['messages'])
-    noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise,
-                    np.sqrt(noisier.max(axis=0)) * model.noise)
+    noise = np.clip(floor, np.sqrt(STRUCTURE) * model.noise, model.noise)
     own, doubt = declared_delays(model), joined.pop('doubt')
     return Residual(x, owner=owner, loads=tuple(e.load for e in evidence),
-                    prompt=model.layout.prompt, cut=pieces, noise=noise, noisier=noisier,
+                    prompt=model.layout.prompt, cut=pieces, noise=noise,
                     delays=own, declared=own, expected=np.sqrt(doubt.mean(axis=0)), **joined)
 
 
@@ -208,11 +220,9 @@ def _of_recording(model, root, evidence, given, compared):
     if compared:
         x = _complete(model, x, columns, motion.dt, evidence.load, links)
     level, residual = model.friction_level(), evidence.torque - columns @ model.mean
-    intensity = model.residuals.intensity
-    noisier = times_noisier(residual, motion.dt, motion.messages, intensity)
-    stated = noisier * intensity
+    stated = model.residuals.intensity
     white = white_density(residual, motion.dt, motion.messages)
-    sliding = np.clip(COLOUR * white, STRUCTURE * intensity, stated)
+    sliding = np.clip(COLOUR * white, STRUCTURE * stated, stated)
     stuck = stuck_density(x.z, doubt, x.v, level)
     density = sliding + as_reported(model.uses, stuck, motion.dt, np.zeros(len(motion.dt)))
     tells = evidence.tells
@@ -224,7 +234,7 @@ def _of_recording(model, root, evidence, given, compared):
     return {'x': x, 'residual': residual, 'weights': weights, 'columns': columns,
             'turning': np.where(known, motion.dt[:, None] / sliding, 0.0),
             'dt': motion.dt, 'time': motion.stamp, 'messages': motion.messages, 'moving': moving,
-            'sliding': surely_slides(x.v, x.z, doubt) & tells, 'noisier': noisier,
+            'sliding': surely_slides(x.v, x.z, doubt) & tells,
             'doubt': _doubt(model, root, columns, x, motion.temperature)}
 
 
