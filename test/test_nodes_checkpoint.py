@@ -55,6 +55,11 @@ def pipeline():
     return found
 
 
+def test_a_home_of_nobody_is_refused_like_any_other_folder():
+    with pytest.raises(ConfigurationError, match='no_such_user'):
+        CheckpointKeeper('~no_such_user/c', 60.0)
+
+
 def test_the_keeper_writes_the_newest_state_and_restores_it(pipeline, tmp_path):
     keeper = CheckpointKeeper(str(tmp_path / 'c'), 60.0)
     keeper.restore(pipeline)

@@ -23,6 +23,14 @@ def share_folder():
                              todo='install with `pip install .` or `colcon build`')
 
 
+def at_home(name):
+    """Return the path of a name, of which `~` is a home, but of a user whom nobody knows."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
+
+
 def find_shared(name, *folders):
     """
     Return the path `name` stands for: a path that exists, or a shipped file's short name.
@@ -30,10 +38,7 @@ def find_shared(name, *folders):
     folders: where under config/ short names are looked for, e.g. 'robots'. A folder in the way
     does not hide a shipped file of the same short name: no folder is what is asked for then.
     """
-    try:
-        direct = Path(name).expanduser()
-    except RuntimeError:  # of a user whom nobody knows
-        direct = Path(name)
+    direct = at_home(name)
     if direct.exists() and not direct.is_dir():
         return direct
     config = share_folder() / 'config'

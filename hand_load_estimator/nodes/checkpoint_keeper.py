@@ -1,6 +1,5 @@
 """Keep a node's checkpoint: restore at the start, write in a thread, tell how it stands."""
 
-from pathlib import Path
 import queue
 import threading
 import time
@@ -8,6 +7,7 @@ import time
 from ..errors import ConfigurationError
 from ..estimators.checkpoint import (CheckpointError, belongs_to, restore_checkpoint,
                                      was_checkpoint, write_checkpoint, written_by)
+from ..files.shared_files import at_home
 from .diagnostics import OK, WARN
 
 _LAST_WRITE = 5.0  # [s] a full disk may hold up the end of a node
@@ -120,7 +120,7 @@ class CheckpointKeeper:
 
 
 def _checked(path):
-    path = Path(path).expanduser()
+    path = at_home(path)
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise ConfigurationError('node estimator: parameter checkpoint', 'is not usable',
                                  str(path), 'the path of a file in a folder that exists')
