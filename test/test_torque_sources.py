@@ -6,6 +6,7 @@ from core_helpers import (block, EFFECTS, exact_model, feed, four_axes, messages
                           recording_of, warm)
 import numpy as np
 import pinocchio as pin
+from pipeline_helpers import within
 import pytest
 import yaml
 
@@ -70,6 +71,15 @@ def test_e1_2_a_minute_at_one_pose_tells_no_more_than_a_second(names):
     early, late = (next(e for e in standing if e.stamp >= standing[0].stamp + seconds)
                    for seconds in (3.0, 38.0))
     assert late.std[0] > 0.8 * early.std[0]
+
+
+def test_a_load_taken_after_a_long_rest_behind_torque_sensors_is_known_at_once():
+    pipeline = warm(pipeline_of(exact_model('four', ('torque_offset',))))
+    standing = feed(pipeline, messages(pipeline.model, block(3.0), 40.0, rest=99.0,
+                                       change=(30.0, block(5.0))))
+    assert {e.load_id for e in standing if e.stamp < 129.9} == {0} and standing[-1].load_id == 1
+    soon = next(e for e in standing if e.stamp > 132.0)
+    assert within(soon, block(5.0)) and soon.std[0] < 0.2
 
 
 LAG = 0.012   # [s] the arm is behind its commands

@@ -52,7 +52,7 @@ class Bayes(Watching):
                                                       torque)
         if self.refused:
             if self._contacts.contact and not self._take_back(sample.stamp):
-                self._leave_out_onset(sample)
+                self._leave_out_onset(sample, prediction)
             return self.belief()
         if another:
             self._regression.begin_anew(sample.stamp)
@@ -60,15 +60,16 @@ class Bayes(Watching):
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
-                             sample.dt / prediction.density, creeps(sample, prediction))
+                             sample.dt / prediction.counted, creeps(sample, prediction))
         if self._regression.look_at(sample.stamp):
             self._after_change(prediction, columns)
         else:
             self._regression.update_posterior()
         return self.belief()
 
-    def _leave_out_onset(self, sample):
-        if self._contacts.began and np.abs(sample.v).max() > MOVING:
+    def _leave_out_onset(self, sample, prediction):
+        if self._contacts.began and (np.abs(sample.v).max() > MOVING
+                                     or creeps(sample, prediction)):
             self._regression.drop_newest(sample.stamp)
             self._known = self._regression.known()
 

@@ -20,6 +20,7 @@ from .load_prior import load_prior
 from .method import Belief, check_origin, fitting, joined_state, LIGHT, part_of
 from .watched_by_bayes import WatchedByBayes
 
+
 class Direct(WatchedByBayes):
     """
     Estimate the load with a DirectArtefact; the model may be any of the arm it is for.

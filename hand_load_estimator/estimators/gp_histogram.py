@@ -89,13 +89,13 @@ class GpHistogram(BesideBayes):
                    zip(('mass [kg]', 'x [m]', 'y [m]', 'z [m]'), self._places.best)}}
 
     def _take(self, sample, prediction, columns):
-        weights = sample.dt / prediction.density
-        moving = bool((np.abs(sample.v) > MOVING).any())
+        weights = sample.dt / prediction.counted
+        slow = creeps(sample, prediction)
+        moving = slow or bool((np.abs(sample.v) > MOVING).any())
         if moving and not self._opens(sample, prediction, columns, weights):
             self.refused += 1
         else:
-            self._counted.add(sample, columns, prediction.difference, weights,
-                              creeps(sample, prediction))
+            self._counted.add(sample, columns, prediction.difference, weights, slow)
         self._count += 1
         self._renew()
 

@@ -38,9 +38,10 @@ class GpSearch(BesideBayes):
                                       np.diag(prior.std[4:] ** 2), np.zeros((6, 4)))
 
     def _take(self, sample, prediction, columns):
+        slow = creeps(sample, prediction)
         self._counted.add(sample, columns, prediction.difference,
-                          sample.dt / prediction.density, creeps(sample, prediction))
-        self._moved += sample.dt if (np.abs(sample.v) > MOVING).any() else 0.0
+                          sample.dt / prediction.counted, slow)
+        self._moved += sample.dt if slow or (np.abs(sample.v) > MOVING).any() else 0.0
 
     def settle(self):
         """Look for a load change, and search where it is time to."""

@@ -98,7 +98,7 @@ class Lstm(Watching):
         contact, another = self._contacts.update(sample, prediction, *load)
         if contact:
             if self._contacts.contact and not self._take_back(sample.stamp):
-                self._leave_out_onset(sample)
+                self._leave_out_onset(sample, prediction)
             return self.belief()
         if another:
             self._plain.begin_anew(sample.stamp)
@@ -114,7 +114,7 @@ class Lstm(Watching):
             # Answers of training are held as long (learning/objective.py).
             if np.abs(sample.v).max() > MOVING:
                 self._shift, self._spread = shift, spread
-        weights = sample.dt / prediction.density
+        weights = sample.dt / prediction.counted
         # The plain regression only serves the next innovation, and to see a change.
         slow = creeps(sample, prediction)
         self._plain.add(sample, columns, prediction.difference, weights, slow)
@@ -159,8 +159,9 @@ class Lstm(Watching):
         self._restart()
         self._contacts.changed()
 
-    def _leave_out_onset(self, sample):
-        if self._contacts.began and np.abs(sample.v).max() > MOVING:
+    def _leave_out_onset(self, sample, prediction):
+        if self._contacts.began and (np.abs(sample.v).max() > MOVING
+                                     or creeps(sample, prediction)):
             self._plain.drop_newest(sample.stamp)
             self._learned.drop_newest(sample.stamp)
             self._renew()

@@ -13,7 +13,7 @@ from .load_through_effects import gear_with, load_through_effects
 from .misread_weight import misread_columns, misread_directions
 from .noise import SampleNoise
 from .play import PlayState
-from .presliding import STUCK_TIME, stuck_variance
+from .presliding import doubt_after, REST_TIME, STUCK_TIME, stuck_variance
 from .shown_friction import course_of
 from .shown_stream import ShownStream
 from .sliding import surely_slides
@@ -33,7 +33,8 @@ class Prediction:
     density (n,) [Nm^2 s] of the difference beside the load and column_scale (r,) of model_columns
     are what it counts.
     noise (n,) [Nm^2]: variance of a sample beyond the model's own residual, where the driver
-    reports less often, or more noise, than in the recordings the model was made from.
+    reports less often, or more noise, than in the recordings the model was made from. standing
+    (n,): by how much less a sample counts while an arm without friction stands.
     """
 
     difference: np.ndarray
@@ -46,6 +47,16 @@ class Prediction:
     density: np.ndarray
     column_scale: np.ndarray
     noise: np.ndarray | float = 0.0
+    standing: np.ndarray | float = 1.0
+
+    @property
+    def counted(self):
+        """
+        Density (n,) [Nm^2 s] by which a sample counts in sums over time.
+
+        Whether it is another load's or a push is judged by `density`: that may come at any time.
+        """
+        return self.density * self.standing
 
 
 class ModelFollower:
@@ -77,6 +88,7 @@ class ModelFollower:
         self._noise = SampleNoise(residuals.rmse, residuals.load_intensity) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
+        self._changes, self._stood = 0, 0.0
         delays = {use.joint: (model.mean[where.start], use.shape['shift'])
                   for use, where in model.slices() if use.name == LATE}
         self._longest = max((seconds for _, seconds in delays.values()), default=0.0)
@@ -111,6 +123,9 @@ class ModelFollower:
         beside: products (10,) of what is held and not in the belief.
         """
         self._carried = products_from_message(belief.mean) + method.tared + beside
+        if method.changes != self._changes:
+            # Of another load it has told nothing yet.
+            self._changes, self._stood = method.changes, 0.0
 
     def _gear(self, x):
         """
@@ -165,14 +180,16 @@ class ModelFollower:
         torque = self.model.layout.prompt_torque(columns, self.model.mean) + added
         return misread_columns(self.model, x.q[0], x.z[0], gear, torque, self._carried)
 
-    def _of_a_rest(self, doubt):
+    def _standing(self, doubt, dt):
         """
-        Return how much less (n,) a sample tells while the arm stands; doubt (n,): as of Rests.
+        Return Prediction's `standing` (n,) after dt [s]; doubt (n,): about the friction state.
 
         A model's error at one pose is the same for a minute as for a second. Of joints with
         friction that is said by what they hold.
         """
-        return np.where(self._frictionless, max(doubt.min(), 1.0) ** 2, 1.0)
+        self._stood = self._stood + dt if doubt.min() >= 1.0 else 0.0
+        factor = doubt_after(max(self._stood, REST_TIME)) ** 2
+        return np.where(self._frictionless, factor, 1.0)
 
     def update(self, sample):
         """Return the Prediction at a MotionSample."""
@@ -211,10 +228,9 @@ class ModelFollower:
                 difference, sample.dt, sample.messages,
                 self._frictionless | surely_slides(sample.v, z, doubt))
         noise = (density - stated) / sample.dt
-        density = density * self._of_a_rest(doubt) \
-            + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
+        density = density + self.model.residuals.load_share * 2.0 * STUCK_TIME * stuck
         if self._longest:
             load, turned, nuisances = self._as_late(load, turned, nuisances, columns[0],
                                                     sample.dt)
         return Prediction(difference - turned, load, nuisances, z, doubt, stuck, level, density,
-                          self.column_scale, noise)
+                          self.column_scale, noise, self._standing(doubt, sample.dt))

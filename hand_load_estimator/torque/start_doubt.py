@@ -67,4 +67,5 @@ def start_doubt_along(moved, rested, dt, distance):
     within = np.where(rests[:, None], np.minimum(doubt, LARGEST_SHOWN)[:, None],
                       np.exp(-np.maximum(turned, 0.0) / distance))
     path = np.concatenate([np.vstack([np.ones(n), within[:-1, -1]])[:, None], within], axis=1)
-    return filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]
+    shown = filtered_along(np.ones((1, 3, n)), path[:, None], dt[:, None])[:, 0, 2]
+    return np.where(rests & (doubt > LARGEST_SHOWN), doubt, shown)
