@@ -57,7 +57,7 @@ def test_motion_is_cut_where_joint_states_are_missing(made):
 
 
 def test_a_temperature_that_stops_coming_stays_as_it_was(made):
-    """A reading is good for half a minute; then friction counted as of the reference temperature."""
+    """A reading is good for half a minute; then friction counted as of another temperature."""
     evidence = made.evidence[0]
     stamp = evidence.motion.stamp
     warming = 30.0 + 0.1 * (stamp - stamp[0])[:, None] * np.ones(4)

@@ -142,7 +142,15 @@ def test_no_delay_is_sought_between_joint_states_that_come_too_rarely(dt, slow, 
 @pytest.mark.parametrize('dt, seconds, true', [
     (0.01, 1e-4, True), (0.02, 0.008, False), (0.02, -0.008, False), (0.02, 0.012, True)])
 def test_what_noise_of_accelerations_looks_like_is_no_delay(dt, seconds, true):
-    assert true_delay(SimpleNamespace(interval=dt), seconds) == true
+    assert true_delay(SimpleNamespace(longest_interval=dt), seconds) == true
+
+
+def test_the_slowest_recording_tells_how_short_a_delay_may_be():
+    quick, slow = (replace(run, motion=replace(run.motion, messages=np.full(
+        len(run.torque), messages))) for run, messages in zip(recorded(), (10, 1)))
+    residual = find_residual(declared_model(), [quick, cut(slow, slice(100))], cut=False)
+    assert residual.interval == pytest.approx(0.002)
+    assert residual.longest_interval == pytest.approx(0.02)
 
 
 def test_a_noisier_recording_of_a_healthy_arm_has_no_effect():

@@ -79,7 +79,7 @@ def test_nothing_is_known_better_than_the_tool_it_is_held_beside(tmp_path, sure)
     told, added = (tool.beside(own, counted, light).covariance for counted in (True, False))
     assert np.sqrt(told[0, 0]) == pytest.approx(max(sure, 0.3))
     assert np.sqrt(added[0, 0]) == pytest.approx(np.hypot(sure, 0.3))
-    # 1.5 kg that lie 10 mm aside are as wrong as 2 kg that lie 7.5 mm aside, beside what a mass is.
+    # 1.5 kg that lie 10 mm aside are as wrong as 2 kg that lie 7.5 mm aside.
     aside = 1.5 * 0.01 / PART.mass
     assert np.sqrt(added[1, 1] - sure ** 2) == pytest.approx(
         np.hypot(aside, 0.3 * (TOOL.com[0] - PART.com[0]) / PART.mass))

@@ -88,7 +88,7 @@ def run(args):
     senseless = nonsense(model, evidence)
     refuse_nonsense(robot, evidence, senseless)
     write_model(out, dated(model, model.residuals.sliding))
-    _report(model, args.out, before is not None)
+    _report(model, args.out, before)
     for said in filter(None, (*senseless.values(), told_of_unknown_friction(model),
                               *mixed_temperatures(robot, evidence))):
         _say(said)
@@ -143,7 +143,8 @@ def _say(text):
     print(text, file=sys.stderr, flush=True)
 
 
-def _report(model, out, again):
+def _report(model, out, before):
+    from ..residual.add import SHOWN
     print(f'{out}: {model.robot.name}, {len(model.recordings)} recordings')
     print(f'{"joint":24s} {"held-out RMS":>12s} {"Coulomb":>9s} {"viscous":>14s}')
     for name, still, rms, level, slope in zip(
@@ -151,6 +152,9 @@ def _report(model, out, again):
             model.viscous_friction()):
         print(f'{name:24s} ' + ('not moved' if still else
               f'{rms:9.3f} Nm {level:6.2f} Nm {slope:7.2f} Nm s/rad'))
-    if again:
-        print('held-out RMS is stated as 0.7 of that of the model before at least: new recordings '
-              'need not show all that the old ones did')
+    floor = [] if before is None else [
+        name for name, rms, old in zip(model.robot.joints, model.noise, before.noise)
+        if abs(rms / (SHOWN ** 0.5 * old) - 1.0) < 1e-6]
+    if floor:
+        print(f'{", ".join(floor)}: as much is stated as is sure of the model before; these '
+              'recordings show less, and need not show all that its own did')

@@ -184,7 +184,8 @@ def _text(value):
     """Return a name as YAML, quoted where YAML would read something else."""
     try:
         plain = yaml.safe_load(f'[{value}]') == [value]
-    except yaml.YAMLError:
+    # A date that no calendar has is a plain ValueError.
+    except (yaml.YAMLError, ValueError):
         plain = False
     return value if plain else json.dumps(value)
 

@@ -102,6 +102,9 @@ def _same_job(work, job, sequences):
     # A diagnosis that is run again after a kill writes the same model with another date.
     job = {**job, 'model': job['model']['undated']}
     if not note.exists():
+        # A kill while it was written left a part of it.
+        for part in work.glob(f'{_NOTE}.*.part'):
+            part.unlink()
         if any(work.iterdir()):
             raise ConfigurationError(work, 'holds files that are of no training', allowed='no '
                                      f'such folder, or one with a {_NOTE} of this training',

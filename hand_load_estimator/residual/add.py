@@ -27,7 +27,7 @@ from .tracing.hypothesis import DOUBTFUL, EFFECT_FACTOR, LINK_FACTOR
 # What is known of the arm from before stays known, with standard deviations so much wider; of
 # joints that the recordings do not move, as it was.
 WIDER = 3.0
-# Of the old model's residual density at least this share stays stated.
+# Of the old model's residual density at least this share stays stated, where it saw a joint move.
 SHOWN = 0.5
 # Rounds of estimating parameters and what depends on them.
 TURNS = 3

@@ -16,8 +16,8 @@ from .doubts.as_expected import expected_changes
 from .doubts.few_temperatures import between_two_temperatures
 from .doubts.impossible import on_wrong_footing
 from .doubts.known_recordings import known_by_name_only, known_names
-from .doubts.limits import (noisier_recordings, refuse_the_useless, slow_joint_states, still_joints,
-                            too_little_gained)
+from .doubts.limits import (noisier_recordings, refuse_the_useless, slow_joint_states,
+                            still_joints, too_little_gained)
 from .doubts.mostly_structure import drifting, mostly_structure
 from .doubts.moved_zero import moved_zero
 from .doubts.not_named import sentences_on

@@ -88,23 +88,26 @@ def slow_joint_states(evidence):
             f'at {rate:.0f} Hz only; {SLOWEST_RATE:g} Hz are needed'
             if rate < SLOWEST_RATE else
             f'cannot tell delays below {500.0 / rate:.0f} ms because {names_of} has joint states '
-            f'at {rate:.0f} Hz only; {FALSE_DELAYS:.0f} Hz are needed']
+            f'at {rate:.0f} Hz only; {np.ceil(FALSE_DELAYS):.0f} Hz are needed']
 
 
 def true_delay(residual, seconds):
     """Tell whether a delay [s] is more than what slow joint states of a Residual look like."""
-    return residual.interval * FALSE_DELAYS <= 1.0 or abs(seconds) > 0.5 * residual.interval
+    longest = residual.longest_interval
+    return longest * FALSE_DELAYS <= 1.0 or abs(seconds) > 0.5 * longest
 
 
 def noisier_recordings(residual, evidence):
     """Return the sentences on Evidence of a Residual that is noisier than the model states."""
     if residual.noisier is None:
         return []
-    times = residual.noisier.max(axis=1)
-    return [f'cannot tell weak effects from {own.name}, whose torques are {np.sqrt(most):.1f} '
+    times = {}
+    for own, most in zip(evidence, residual.noisier.max(axis=1)):
+        times[own.name] = max(times.get(own.name, 1.0), most)
+    return [f'cannot tell weak effects from {name}, whose torques are {np.sqrt(most):.1f} '
             'times as noisy as the model states: joint states come less often than in its own '
             'recordings, or sensors are noisier'
-            for own, most in zip(evidence, times) if most > 1.0]
+            for name, most in times.items() if most > 1.0]
 
 
 def still_joints(model, evidence):

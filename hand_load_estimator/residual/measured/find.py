@@ -88,6 +88,12 @@ class Residual:
         return float(np.median(self.dt / self.messages))
 
     @property
+    def longest_interval(self):
+        """The same [s] of the part where it is longest."""
+        each = self.dt / self.messages
+        return max(float(np.median(each[self.owner == k])) for k in np.unique(self.owner))
+
+    @property
     def observations(self):
         """Number of groups of blocks: repetitions of one motion are one."""
         return int(self.cut.groups.max()) + 1
