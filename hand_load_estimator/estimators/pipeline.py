@@ -58,7 +58,7 @@ class Pipeline:
         self._sample = self._suggester = self._fed = None
         self._estimate, self.estimates = None, 0
         self.residual = np.full(model.robot.n, np.nan)
-        self._unheard = method.state()
+        self._unheard, self._changes_taken = method.state(), method.changes
 
     @property
     def rejected(self):
@@ -181,6 +181,9 @@ class Pipeline:
         moves = self._moves(sample)
         self._began = self._began or moves
         belief = self._beside_tool(self.method.update(sample, prediction))
+        if self.method.changes != self._changes_taken:
+            self._changes_taken = self.method.changes
+            self._follower.another_load()
         self._confirm(sample.dt if moves else 0.0)
         self._follower.carry(belief, self.method)
         self._unwatched = sample, prediction

@@ -91,6 +91,10 @@ class ToolFollower:
         """Forget the path, as after a gap in the data."""
         self._follower.restart()
 
+    def another_load(self):
+        """Take the load for another one."""
+        self._follower.another_load()
+
     def carry(self, belief, method):
         """Take a Method's Belief of what is held beside the tool."""
         self._follower.carry(belief, method, self._tool.products)

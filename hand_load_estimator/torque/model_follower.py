@@ -88,7 +88,7 @@ class ModelFollower:
         self._noise = SampleNoise(residuals.rmse, residuals.load_intensity) if measured else None
         self._known = self._drift = None
         self._carried = np.zeros(10)
-        self._changes, self._stood = 0, 0.0
+        self._stood = 0.0
         delays = {use.joint: (model.mean[where.start], use.shape['shift'])
                   for use, where in model.slices() if use.name == LATE}
         self._longest = max((seconds for _, seconds in delays.values()), default=0.0)
@@ -123,9 +123,10 @@ class ModelFollower:
         beside: products (10,) of what is held and not in the belief.
         """
         self._carried = products_from_message(belief.mean) + method.tared + beside
-        if method.changes != self._changes:
-            # Of another load it has told nothing yet.
-            self._changes, self._stood = method.changes, 0.0
+
+    def another_load(self):
+        """Take the load for another one, of which a rest has told nothing yet."""
+        self._stood = 0.0
 
     def _gear(self, x):
         """
