@@ -16,6 +16,7 @@ from .torque.columns import (ColumnLayout, effect_slices, presliding_distances, 
                              tilt_along, torque_columns, warmth_of)
 from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
+from .torque.travel_growth import first_of_joints, friction_level, travel_growth
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3
@@ -87,18 +88,20 @@ class TorqueModel:
         return [mark.name for mark in self.recordings]
 
     def presliding_distance(self):
-        """Return the travel (n,) [rad] over which each joint's friction turns."""
+        """Return the travel (n,) [rad] over which each joint's friction turns at the reference."""
         return presliding_distances(self.robot.n, self.uses)
 
     def presliding_power(self):
         """Return the power (n,) [-] of the way in which each joint's friction turns."""
         return presliding_powers(self.robot.n, self.uses)
 
+    def travel_growth(self):
+        """Return the TravelGrowth of these travels, None where they are the same at any warmth."""
+        return travel_growth(self.robot.n, self.uses, self.mean)
+
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""
-        coulomb, stribeck = (self._of_joints(name, self.mean) for name in
-                             ('coulomb_friction', 'stribeck_friction'))
-        return np.maximum(np.abs(coulomb), np.abs(coulomb + stribeck))
+        return friction_level(self.robot.n, self.uses, self.mean)
 
     def friction_doubt(self):
         """Return the standard deviation (n,) [Nm] of each joint's Coulomb level."""
@@ -117,12 +120,7 @@ class TorqueModel:
         return self._of_joints('viscous_friction', self.mean)
 
     def _of_joints(self, name, values):
-        """Return an effect's first entries (n,) of values (P,), zero for joints without it."""
-        out = np.zeros(self.robot.n)
-        for use, columns in self.slices():
-            if use.name == name:
-                out[use.joint] = values[columns.start]
-        return out
+        return first_of_joints(self.robot.n, self.uses, name, values)
 
     @cached_property
     def layout(self):

@@ -14,6 +14,7 @@ from hand_load_estimator.residual.diagnosis import CONFIRMED
 from hand_load_estimator.torque.columns import (ColumnLayout, play_columns, presliding_distances,
                                                 torque_columns)
 from hand_load_estimator.torque.motion_inputs import motion_input
+from hand_load_estimator.torque.travel_growth import travel_growth
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 RUNS, SECONDS = 4, 16.0
@@ -53,10 +54,11 @@ def clean_runs(seconds, names=None, celsius=(15.0, 35.0)):
     robot, rng, runs = model.robot, np.random.default_rng(11), []
     for k in range(RUNS):
         motion = waves(robot, rng, seconds, celsius[k % 2])
-        distance = presliding_distances(robot.n, effect_uses(robot))
-        x, _ = motion_input(robot, motion, distance)
-        full = ColumnLayout(robot.n, effect_uses(robot))
-        torque = torque_columns(robot, full, x) @ true_parameters(robot, effect_uses(robot))
+        uses = effect_uses(robot)
+        truth = true_parameters(robot, uses)
+        x, _ = motion_input(robot, motion, presliding_distances(robot.n, uses),
+                            growth=travel_growth(robot.n, uses, truth))
+        torque = torque_columns(robot, ColumnLayout(robot.n, uses), x) @ truth
         runs.append((x, motion, torque))
     return runs
 

@@ -48,7 +48,8 @@ def along(model, samples):
     """Return the Motion of samples, its EffectInput and the torque (N, n) [Nm] of LOAD."""
     motion = Motion(*(np.array([getattr(s, name) for s in samples])
                       for name in Motion.__dataclass_fields__))
-    x, _ = motion_input(model.robot, motion, model.presliding_distance())
+    x, _ = motion_input(model.robot, motion, model.presliding_distance(),
+                        growth=model.travel_growth())
     held = model.robot.load_columns(shown_links(model.robot, motion)) @ LOAD.to_products()
     return motion, x, held
 

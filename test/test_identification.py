@@ -24,6 +24,7 @@ from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, Eff
                                                 torque_columns)
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.motion_inputs import motion_input
+from hand_load_estimator.torque.travel_growth import travel_growth
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
@@ -56,7 +57,8 @@ class Made:
             # Each temperature twice: leaving one recording out must not extrapolate.
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
             layout = ColumnLayout(robot.n, self.uses)
-            x, _ = motion_input(robot, motion, distance, turning)
+            x, _ = motion_input(robot, motion, distance, turning,
+                                travel_growth(robot.n, self.uses, self.x))
             columns = torque_columns(robot, layout, x)
             noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
             self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))

@@ -19,7 +19,7 @@ def test_ways_of_turning_side_by_side_are_as_each_alone():
     ways = [(np.full(4, travel), np.full(4, power)) for travel in (3e-4, 1e-3, 4e-3)
             for power in (np.inf, 1.5, 2.0)]
     assert len(ways) > WAYS
-    several = list(motion_inputs(robot, motions, ways))
+    several = list(motion_inputs(robot, motions, ways, None))
     assert len(several) == len(ways)
     for found, own in zip(several, ways):
         for motion, (x, doubt) in zip(motions, found):

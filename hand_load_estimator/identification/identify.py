@@ -114,7 +114,10 @@ def identify(robot, evidence, effects=None, progress=lambda text: None, drifting
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
-    uses, _, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
+    uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
+    if not system.travels_hold(uses, x):
+        system = System(robot, uses, evidence, x)
+        weights = system.weights(intensity, friction)
     intensity, drift = noise_left_out(system, (mean, covariance), weights, friction)
     system, stated = (system.with_drift(drift) if drifting else system,
                       system.weights(intensity, friction))

@@ -11,9 +11,12 @@ from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, presl
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.motion_inputs import known_motion, motion_inputs
 from ..torque.presliding import stuck_density
+from ..torque.travel_growth import travel_growth
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
 
+# Travels that differ by no more than this share need not be followed anew.
+ALIKE = 0.02
 # What a joint's friction began with is forgotten where it is in doubt by less than this [-].
 FORGOTTEN = 0.1
 
@@ -22,8 +25,9 @@ class System:
     """
     Columns, torque and friction doubt of several recordings for one set of effects.
 
-    mean (P,): parameters that tell torques to the effects that depend on them; around these the
-    torque of a delay, which is a product of its share and all others, is made linear. drifting:
+    mean (P,): parameters that tell torques to the effects that depend on them, and how travels go
+    with temperature; around these the torque of a delay, which is a product of its share and all
+    others, is made linear. drifting:
     friction state and velocity (N, n) of the moments that the torques belong to. inputs: the
     motion_inputs of the evidence, where they are known.
     """
@@ -31,8 +35,9 @@ class System:
     def __init__(self, robot, uses, evidence, mean, inputs=None):
         self.robot = robot
         layout = ColumnLayout(robot.n, uses)
-        inputs = inputs or next(motion_inputs(robot, [e.motion for e in evidence],
-                                              [ways_to_turn(robot.n, uses)]))
+        self._growth = travel_growth(robot.n, uses, mean)
+        inputs = inputs or next(motion_inputs(
+            robot, [e.motion for e in evidence], [ways_to_turn(robot.n, uses)], self._growth))
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.load,
@@ -73,6 +78,13 @@ class System:
     def reshape(self, use, where):
         """Write the columns of such an effect anew; where: its slice of x."""
         self.columns[:, use.joint, where] = self.columns_of(use)
+
+    def travels_hold(self, uses, x):
+        """Tell whether travels go with temperature as x (P,) of uses says, or nearly so."""
+        warmth = np.concatenate([inputs.warmth for inputs in self._inputs])
+        own, other = (1.0 if growth is None else growth(warmth) for growth in (
+            self._growth, travel_growth(self.robot.n, uses, x)))
+        return bool(np.abs(other / own - 1.0).max() < ALIKE)
 
     def with_more(self, columns):
         """Return a System with columns (N, n, k) behind its own."""

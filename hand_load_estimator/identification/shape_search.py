@@ -8,6 +8,7 @@ import numpy as np
 from ..effects import EFFECTS, PRESLIDING
 from ..torque.columns import effect_slices
 from ..torque.motion_inputs import motion_inputs
+from ..torque.travel_growth import travel_growth
 from .regression_system import System, ways_to_turn
 
 TRAVEL = 'presliding_distance'
@@ -78,8 +79,10 @@ def _near(use, other, factor):
 def _systems(robot, tried, evidence, x, name):
     """Yield (uses, their System) of tuples of uses that differ in an effect's shapes."""
     if name == PRESLIDING:
-        inputs = motion_inputs(robot, [e.motion for e in evidence],
-                               [ways_to_turn(robot.n, trial) for trial in tried])
+        inputs = motion_inputs(
+            robot, [e.motion for e in evidence],
+            [ways_to_turn(robot.n, trial) for trial in tried],
+            travel_growth(robot.n, tried[0], x))
         for trial, given in zip(tried, inputs):
             yield trial, System(robot, trial, evidence, x, given)
         return

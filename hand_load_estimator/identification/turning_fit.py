@@ -12,6 +12,7 @@ import numpy as np
 
 from ..effects import EFFECTS, PRESLIDING
 from ..torque.motion_inputs import motion_inputs
+from ..torque.travel_growth import travel_growth
 from .regression_system import System, ways_to_turn
 from .shape_search import joint_costs, PRICES, TRAVEL
 
@@ -37,12 +38,13 @@ def with_turning_fitted(system, uses, evidence, x, intensity, joints):
     if not joints:
         return uses
     robot, weights = system.robot, system.turning_weights(intensity)
+    growth = travel_growth(robot.n, uses, x)
 
     def costs_at(places):
         """Return costs (K, J) of ways of turning (K, J, 2)."""
         trials = [_turning(uses, joints, those) for those in places]
         inputs = motion_inputs(robot, [e.motion for e in evidence],
-                               [ways_to_turn(robot.n, trial) for trial in trials])
+                               [ways_to_turn(robot.n, trial) for trial in trials], growth)
         # Twice the nats that another power than the first must gain.
         prices = 2.0 * PRICES['power'] * (places[..., 1] < ENDLESS)
         return prices + np.array([

@@ -23,7 +23,7 @@ from ..motion import BANDWIDTH, filter_step
 from ..torque.columns import torque_columns
 from ..torque.misread_weight import misread_columns
 from ..torque.presliding import stuck_density
-from ..torque.shown_along import followed_together, shown_as_one, ShownPart
+from ..torque.shown_along import followed_together, SeenCourse, shown_as_one, ShownPart
 from ..torque.start_doubt import rests_along, start_doubt_along
 from ..torque_model import drift_std, nuisance_columns, uncertain_directions
 from .random_loads import random_load
@@ -202,15 +202,16 @@ def _inputs(model, motion, course, warmth, dt):
     """Return (EffectInput, doubt (N, n)) along both motions; warmth (N, n) [K], dt (N,) [s]."""
     n, half = model.robot.n, len(dt) // 2
     own = model.presliding_distance(), model.presliding_power()
-    parts = tuple(ShownPart(course[rows], warmth[rows], dt[rows], np.full(half, EVERY))
+    # Friction is drawn at the reference temperature (_friction_and_noise): its travels stay.
+    parts = tuple(ShownPart(SeenCourse(course[rows], dt[rows], np.full(half, EVERY)), warmth[rows])
                   for rows in (slice(half), slice(half, None)))
     shown = shown_as_one(next(followed_together(parts, [own])))
     x = EffectInput(*motion, warmth, shown.z, shown=_remembered(shown),
-                    at_once=np.concatenate([part.at_once for part in parts]))
+                    at_once=np.concatenate([part.seen.at_once for part in parts]))
     q, v = (part.reshape(2, half, n) for part in motion[:2])
     return x, np.concatenate([
-        start_doubt_along(part.moved, rests_along(*each, part.dt), part.dt, own[0])
-        for part, *each in zip(parts, q, v)])
+        start_doubt_along(seen.ways, rests_along(*each, seen.dt), seen.dt, own[0])
+        for seen, *each in zip((part.seen for part in parts), q, v)])
 
 
 def _vary(rng, model):

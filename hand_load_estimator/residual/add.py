@@ -184,8 +184,8 @@ def _identified(model, declared, before, evidence, own):
     drift = residuals.drift
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for turn in range(TURNS):
-        # Only effects that depend on torques change their columns with x.
-        if system is None or torque_bound:
+        # Only effects that depend on torques change their columns with x, and travels all.
+        if system is None or torque_bound or not system.travels_hold(uses, x):
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         uses, x, posterior = with_knees_fitted(system.with_drift(drift), uses, known, mean,

@@ -10,7 +10,7 @@ from ..effects import EffectInput
 from ..motion import Motion
 from ..robot import Robot
 from .columns import warmth_of
-from .shown_along import followed_together, ShownPart
+from .shown_along import followed_together, SeenCourse, ShownPart
 from .shown_friction import course_of
 from .shown_links import shown_links_and_way
 from .start_doubt import rests_along, start_doubt_along
@@ -24,11 +24,16 @@ class KnownMotion:
     motion: Motion
 
     @cached_property
-    def part(self):
-        """Its ShownPart."""
+    def seen(self):
+        """Its SeenCourse."""
         motion = self.motion
-        return ShownPart(course_of(motion), warmth_of(self.robot, motion.temperature), motion.dt,
-                         np.zeros(len(motion.dt)) if motion.course is None else motion.messages)
+        return SeenCourse(course_of(motion), motion.dt, np.zeros(len(motion.dt))
+                          if motion.course is None else motion.messages)
+
+    @cached_property
+    def warmth(self):
+        """Temperatures less the reference (N, n) [K], 0 where unknown."""
+        return warmth_of(self.robot, self.motion.temperature)
 
     @cached_property
     def rests(self):
@@ -42,10 +47,10 @@ class KnownMotion:
 
     def input(self, shown):
         """Return (EffectInput, doubt (N, n)) of a ShownAlong this one motion."""
-        motion, part = self.motion, self.part
-        x = EffectInput(motion.q, motion.v, motion.a, part.warmth, shown.z, shown=shown,
-                        jerk=motion.jerk, at_once=part.at_once)
-        return x, start_doubt_along(part.moved, self.rests, part.dt, shown.own[0])
+        motion, part = self.motion, shown.parts[0]
+        x = EffectInput(motion.q, motion.v, motion.a, self.warmth, shown.z, shown=shown,
+                        jerk=motion.jerk, at_once=self.seen.at_once)
+        return x, start_doubt_along(part.moved, self.rests, motion.dt, shown.own[0])
 
 
 def known_motion(robot, motion):
@@ -56,23 +61,26 @@ def known_motion(robot, motion):
     return motion.known[robot]
 
 
-def motion_input(robot, motion, distance, power=None):
+def motion_input(robot, motion, distance, power=None, growth=None):
     """
     Return (EffectInput, doubt (N, n)) along a Motion.
 
-    distance (n,) [rad], power (n,): of presliding.Turning, infinite without any.
+    distance (n,) [rad], power (n,): of presliding.Turning, infinite without any; growth: the
+    TravelGrowth of distances, None for none.
     """
     own = distance, np.full(robot.n, np.inf) if power is None else power
-    return next(motion_inputs(robot, [motion], [own]))[0]
+    return next(motion_inputs(robot, [motion], [own], growth))[0]
 
 
-def motion_inputs(robot, motions, ways):
+def motion_inputs(robot, motions, ways, growth):
     """
     Yield the [(EffectInput, doubt)] of Motions, with friction turning in each of the ways.
 
-    ways: (distance, power) pairs as of motion_input, which are followed side by side.
+    ways: (distance, power) pairs as of motion_input, which are followed side by side; growth: as
+    of motion_input.
     """
     known = [known_motion(robot, motion) for motion in motions]
-    followed = followed_together([motion.part for motion in known], ways)
+    followed = followed_together(
+        [ShownPart(motion.seen, motion.warmth, growth) for motion in known], ways)
     for shown in followed:
         yield [motion.input(own) for motion, own in zip(known, shown)]

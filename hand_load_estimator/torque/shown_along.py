@@ -10,6 +10,7 @@ from ..effects.stribeck_curve import left
 from .lock_step import lock_step
 from .shown_filter import filtered_along
 from .shown_friction import Apart, begun, directions
+from .travel_growth import TravelGrowth
 
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
@@ -18,16 +19,15 @@ WAYS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class ShownPart:
-    """A recording: course (N, 2, STEPS, n), warmth (N, n) [K], dt [s] and messages (N,)."""
+class SeenCourse:
+    """A recording: course (N, 2, STEPS, n), dt [s] and messages (N,)."""
 
     course: np.ndarray
-    warmth: np.ndarray
     dt: np.ndarray
     messages: np.ndarray
 
     @cached_property
-    def moved(self):
+    def ways(self):
         """Ways (N, STEPS, n) [rad]."""
         ways = Ways(self.course[0, 0, 0])
         return np.array([ways.along(q, *row) for q, *row in zip(
@@ -43,7 +43,7 @@ class ShownPart:
     def at_once(self):
         """What friction of size one (N, n) would be of contacts that turn at once."""
         first, out = begun(self.speeds[0, 1:]), []
-        for way in self.moved:
+        for way in self.ways:
             out.append(directions(first, way))
             first = out[-1][-1]
         return self.filtered(np.array(out))
@@ -59,6 +59,21 @@ class ShownPart:
             found = filtered_along(stages, friction[some, None], self.dt[some, None])
             stages = found[-1]
             yield found[:, 0, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class ShownPart:
+    """A SeenCourse, its warmth (N, n) [K], and the TravelGrowth of its joints, None for none."""
+
+    seen: SeenCourse
+    warmth: np.ndarray
+    growth: TravelGrowth | None = None
+
+    @cached_property
+    def moved(self):
+        """Ways (N, STEPS, n) [rad], as short as they would be at the reference temperature."""
+        ways = self.seen.ways
+        return ways if self.growth is None else ways / self.growth(self.warmth)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +94,7 @@ class ShownAlong:
     def __call__(self, *places):
         joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
         apart = np.isfinite(travels)
-        found = np.empty((sum(len(part.dt) for part in self.parts), len(joints)))
+        found = np.empty((sum(len(part.warmth) for part in self.parts), len(joints)))
         if apart.any():
             found[:, apart] = self._follow(Apart(
                 joints[apart], travels[apart], powers[apart],
@@ -91,7 +106,7 @@ class ShownAlong:
     @cached_property
     def z(self):
         """The friction (N, n) of size one of each joint."""
-        return np.concatenate([part.filtered(path)
+        return np.concatenate([part.seen.filtered(path)
                                for part, path in zip(self.parts, self.paths)])
 
     def _peaks(self, joints, peak):
@@ -99,15 +114,15 @@ class ShownAlong:
         if not peak:
             return self.z[:, joints]
         return np.concatenate([
-            part.filtered(path[..., joints] * left(part.speeds[..., joints],
-                                                   part.warmth[:, None, joints], *peak))
+            part.seen.filtered(path[..., joints] * left(part.seen.speeds[..., joints],
+                                                        part.warmth[:, None, joints], *peak))
             for part, path in zip(self.parts, self.paths)])
 
     def _follow(self, places):
         """Return the friction (N, K) of Apart."""
-        n = self.parts[0].course.shape[-1]
+        n = self.parts[0].warmth.shape[-1]
         return np.concatenate(lock_step(
-            [(part.moved, part.speeds, part.warmth[:, None], part.dt[:, None])
+            [(part.moved, part.seen.speeds, part.warmth[:, None], part.seen.dt[:, None])
              for part in self.parts],
             lambda numbers, rows: _filtered(places.tiled(len(numbers), n), *rows)))
 
@@ -152,7 +167,7 @@ def followed_together(parts, ways):
         some = ways[start:start + WAYS]
         travels, powers = (np.array(own) for own in zip(*some))
         paths = lock_step(
-            [(part.moved, part.speeds) for part in parts],
+            [(part.moved, part.seen.speeds) for part in parts],
             lambda numbers, rows: _paths(len(numbers), travels, powers, rows))
         n = travels.shape[1]
         for k, own in enumerate(some):
@@ -181,4 +196,5 @@ def shown_along(course, dt, warmth, own, messages=None):
     own: as of ShownAlong; messages (N,), or None where the course has no noise.
     """
     messages = np.zeros(len(dt)) if messages is None else messages
-    return next(followed_together((ShownPart(course, warmth, dt, messages),), [own]))[0]
+    return next(followed_together(
+        (ShownPart(SeenCourse(course, dt, messages), warmth),), [own]))[0]

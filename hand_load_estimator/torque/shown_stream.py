@@ -47,13 +47,14 @@ class ShownStream:
     """
     Friction sample by sample: of all joints, and of all places that are asked for.
 
-    own: travels [rad] and powers [-] (n,) over which each joint's friction turns. After `at`:
-    moved (STEPS, n) [rad], the joints' ways within the sample; z (n,), and at_once (n,): what z
-    would be of contacts that turn at once.
+    own: travels [rad] and powers [-] (n,) over which each joint's friction turns; growth: the
+    TravelGrowth of these, None for none. After `at`: moved (STEPS, n) [rad], the joints' ways
+    within the sample, as short as they would be at the reference temperature; z (n,), and at_once
+    (n,): what z would be of contacts that turn at once.
     """
 
-    def __init__(self, own):
-        self._own = own
+    def __init__(self, own, growth=None):
+        self._own, self._growth = own, growth
         self.restart()
 
     def restart(self):
@@ -73,6 +74,8 @@ class ShownStream:
             self._contacts = Contacts(*self._own, first)
             self._stages = np.tile(first, (3, 2))
         self.moved = self._ways.along(q, dt, messages)
+        if self._growth is not None:
+            self.moved = self.moved / self._growth(warmth)
         speeds, self._speed = np.concatenate([self._speed[None], v]), v[-1]
         path = self._contacts.bend(*self._contacts.ways(self.moved, None))
         turned = directions(self._direction, self.moved)

@@ -166,7 +166,8 @@ def find_residual(model, evidence, cut=True):
     """
     root = uncertain_directions(model, DIRECTIONS, 0)
     inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
-                                [(model.presliding_distance(), model.presliding_power())]))
+                                [(model.presliding_distance(), model.presliding_power())],
+                                model.travel_growth()))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])
