@@ -303,7 +303,7 @@ def test_what_is_taken_back_holds_nothing_of_the_other_load(weight):
         for stamp in np.arange(begin, begin + seconds, 0.02):
             columns = rng.normal(size=(6, 28))
             regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
-                           columns[:, :10] @ products, np.full(6, weight))
+                           columns[:, :10] @ products, np.full(6, weight), True)
             regression.look_for_change()
             if regression.changes:
                 return stamp
@@ -328,7 +328,7 @@ def changed():
         products = block(3.0 if stamp < 2.0 else 6.0).to_products()
         columns = rng.normal(size=(6, 28))
         regression.add(SimpleNamespace(stamp=stamp, dt=0.02, v=np.ones(6)), columns,
-                       columns[:, :10] @ products, np.full(6, 100.0))
+                       columns[:, :10] @ products, np.full(6, 100.0), True)
         regression.look_for_change()
         if regression.changes:
             return regression

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline_helpers import within
 import pytest
 
-from hand_load_estimator.estimators.regression import creeps, MOVING
+from hand_load_estimator.estimators.regression import moves, MOVING
 
 MASS = 3.0
 
@@ -37,4 +37,4 @@ def test_what_is_held_or_turns_around_does_not_creep(v, z, doubt, wanted):
     one = np.array([0.0, 1.0])
     sample, prediction = SimpleNamespace(v=v * one), SimpleNamespace(
         z=z * one, doubt=doubt * one)
-    assert creeps(sample, prediction) == wanted
+    assert moves(sample, prediction) == wanted

@@ -7,7 +7,7 @@ from .innovation_scale import InnovationScale
 from .load_prior import load_prior
 from .method import Belief, checked
 from .mismatch import MismatchWatch
-from .regression import creeps, LoadRegression, MOVING
+from .regression import LoadRegression, moves
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -60,7 +60,7 @@ class Bayes(Watching):
         self._watch.update(innovation, spread + prediction.stuck, sample.dt)
         self._scale.update(innovation, spread + prediction.stuck + prediction.noise, sample)
         self._regression.add(sample, columns, prediction.difference,
-                             sample.dt / prediction.counted, creeps(sample, prediction))
+                             sample.dt / prediction.counted, moves(sample, prediction))
         if self._regression.look_at(sample.stamp):
             self._after_change(prediction, columns)
         else:
@@ -68,8 +68,7 @@ class Bayes(Watching):
         return self.belief()
 
     def _leave_out_onset(self, sample, prediction):
-        if self._contacts.began and (np.abs(sample.v).max() > MOVING
-                                     or creeps(sample, prediction)):
+        if self._contacts.began and moves(sample, prediction):
             self._regression.drop_newest(sample.stamp)
             self._known = self._regression.known()
 

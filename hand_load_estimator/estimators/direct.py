@@ -22,11 +22,7 @@ from .watched_by_bayes import WatchedByBayes
 
 
 class Direct(WatchedByBayes):
-    """
-    Estimate the load with a DirectArtefact; the model may be any of the arm it is for.
-
-    counts_doubts: whether what is not known of the model and the tool is in its variances.
-    """
+    """Estimate the load with a DirectArtefact; the model may be any of the arm it is for."""
 
     counts_doubts = False
 

@@ -19,7 +19,7 @@ import numpy as np
 from .beside_bayes import BesideBayes
 from .histogram import Histogram, entropy_of, normalised
 from .method import joined_state, part_of
-from .regression import creeps, MOVING
+from .regression import moves
 
 # A step of 1.4 standard deviations at most: on a coarser lattice the entropy also changes with
 # where between candidates the peak lies, and the gate would refuse for that.
@@ -90,12 +90,11 @@ class GpHistogram(BesideBayes):
 
     def _take(self, sample, prediction, columns):
         weights = sample.dt / prediction.counted
-        slow = creeps(sample, prediction)
-        moving = slow or bool((np.abs(sample.v) > MOVING).any())
+        moving = moves(sample, prediction)
         if moving and not self._opens(sample, prediction, columns, weights):
             self.refused += 1
         else:
-            self._counted.add(sample, columns, prediction.difference, weights, slow)
+            self._counted.add(sample, columns, prediction.difference, weights, moving)
         self._count += 1
         self._renew()
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import differential_evolution, dual_annealing
 
 from .beside_bayes import BesideBayes
-from .regression import creeps, MOVING
+from .regression import moves
 
 # Searches follow each other after so much motion [s]: quickly at first, when most is learnt.
 EARLY, INTERVAL, EARLY_FOR = 0.1, 0.5, 1.0
@@ -38,10 +38,10 @@ class GpSearch(BesideBayes):
                                       np.diag(prior.std[4:] ** 2), np.zeros((6, 4)))
 
     def _take(self, sample, prediction, columns):
-        slow = creeps(sample, prediction)
+        moving = moves(sample, prediction)
         self._counted.add(sample, columns, prediction.difference,
-                          sample.dt / prediction.counted, slow)
-        self._moved += sample.dt if slow or (np.abs(sample.v) > MOVING).any() else 0.0
+                          sample.dt / prediction.counted, moving)
+        self._moved += sample.dt if moving else 0.0
 
     def settle(self):
         """Look for a load change, and search where it is time to."""

@@ -22,7 +22,7 @@ from .load_prior import load_prior
 from .lstm_cell import LstmCell
 from .method import Belief, check_origin, fitting, joined_state, part_of
 from .mismatch import MismatchWatch
-from .regression import creeps, LoadRegression, MOVING
+from .regression import LoadRegression, moves, MOVING
 from .watching import Watching
 from .weighting import innovation_of, joined_columns
 
@@ -116,10 +116,10 @@ class Lstm(Watching):
                 self._shift, self._spread = shift, spread
         weights = sample.dt / prediction.counted
         # The plain regression only serves the next innovation, and to see a change.
-        slow = creeps(sample, prediction)
-        self._plain.add(sample, columns, prediction.difference, weights, slow)
+        moving = moves(sample, prediction)
+        self._plain.add(sample, columns, prediction.difference, weights, moving)
         self._learned.add(sample, columns, prediction.difference - self._correction * self._level,
-                          weights, slow)
+                          weights, moving)
         self._settled = False
         if self._plain.look_at(sample.stamp):
             self._after_change()
@@ -160,8 +160,7 @@ class Lstm(Watching):
         self._contacts.changed()
 
     def _leave_out_onset(self, sample, prediction):
-        if self._contacts.began and (np.abs(sample.v).max() > MOVING
-                                     or creeps(sample, prediction)):
+        if self._contacts.began and moves(sample, prediction):
             self._plain.drop_newest(sample.stamp)
             self._learned.drop_newest(sample.stamp)
             self._renew()

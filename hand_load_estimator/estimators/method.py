@@ -53,7 +53,11 @@ def check_origin(state, name, fingerprint, what):
 
 
 class Method(Protocol):
-    """One way of estimating the load from MotionSamples and Predictions."""
+    """
+    One way of estimating the load from MotionSamples and Predictions.
+
+    counts_doubts: whether what is not known of the model and the tool is in its variances.
+    """
 
     name: str
     changes: int
@@ -62,6 +66,7 @@ class Method(Protocol):
     tared: np.ndarray
     trusted: Trust
     factor: float
+    counts_doubts: bool
 
     def update(self, sample, prediction) -> Belief:
         """Take one MotionSample with its Prediction; return the belief after it."""

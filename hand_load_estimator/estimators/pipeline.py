@@ -193,8 +193,8 @@ class Pipeline:
     def _beside_tool(self, belief):
         if not self.tool:
             return belief
-        counted = getattr(self.method, 'counts_doubts', True)
-        return self.tool.beside(belief, counted, LIGHT * self.model.robot.rated_load.mass)
+        return self.tool.beside(belief, self.method.counts_doubts,
+                                LIGHT * self.model.robot.rated_load.mass)
 
     def _begin_anew(self):
         """Forget what is of another arm: its load, what was tared on it, how its model does."""

@@ -28,13 +28,14 @@ ONSET, ONCE_IN = 0.15, 2.0
 AT_REST = 5
 
 
-def creeps(sample, prediction):
+def moves(sample, prediction):
     """
-    Tell whether a joint, slow as it may be, slides so that its friction has turned.
+    Tell whether a joint moves, or creeps so that its friction has turned, slow as it may be.
 
     Its torques count as those of any motion then: a load change shows in them, too.
     """
-    return bool(((np.abs(sample.v) > REST_SPEED) & (prediction.doubt < DOUBT)
+    speed = np.abs(sample.v)
+    return bool(((speed > MOVING) | (speed > REST_SPEED) & (prediction.doubt < DOUBT)
                  & (np.abs(prediction.z) > TURNED)).any())
 
 
@@ -75,18 +76,16 @@ class LoadRegression:
         self._unchecked = None
         self.posterior = self._solve()
 
-    def add(self, sample, columns, difference, weights, creeping=False):
+    def add(self, sample, columns, difference, weights, moving):
         """
-        Add a sample: columns (n, 10 + r), difference (n,), weights (n,).
+        Add a sample: columns (n, 10 + r), difference (n,), weights (n,); moving: as of `moves`.
 
-        creeping: whether it is one of motion even if no joint is faster than MOVING. Nothing is
-        added while the motion filter still shows the load before a change.
+        Nothing is added while the motion filter still shows the load before a change.
         """
         if self.last_change is not None and 0.0 <= sample.stamp - self.last_change < SETTLING:
             return
-        moved = sample.dt if creeping or np.abs(sample.v).max() > MOVING else 0.0
         difference = self.beside_tared(columns, difference)
-        if not self._recent.add(columns, difference, weights, moved):
+        if not self._recent.add(columns, difference, weights, sample.dt if moving else 0.0):
             return
         self._ended = sample.stamp
         if self._watch:

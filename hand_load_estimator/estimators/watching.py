@@ -4,6 +4,8 @@
 class Watching:
     """The part of a Method that its `_watcher` answers: a LoadRegression, or another Method."""
 
+    counts_doubts = True
+
     @property
     def changes(self):
         """Number of load changes seen."""
