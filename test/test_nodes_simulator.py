@@ -161,6 +161,22 @@ def test_goes_on_where_time_went_on_after_a_restart(heard, start, listener):
     assert said(topics, 'clock')[0] == 'the clock keeps its pace'
 
 
+def test_an_arm_that_runs_away_is_told_and_no_longer_published(start, listener, tmp_path):
+    """It published infinite positions."""
+    effects = tmp_path / 'effects.yaml'
+    effects.write_text('effects: [{name: gravity_spring, parameters: {stiffness: 1e30}}]\n')
+    topics = {'diagnostics': listener.listen(DiagnosticArray, '/diagnostics', OUTPUT),
+              'joint_states': listener.listen(JointState, 'joint_states', measurement(2000))}
+    process = start('simulator', '--ros-args', '-p', f'hidden_effects:={effects}')
+    listener.until(lambda: 'runs away' in said(topics, 'clock')[0], 'a sentence')
+    listener.spin(0.2)
+    published = len(topics['joint_states'])
+    assert all(np.isfinite(message.position).all() for message in topics['joint_states'])
+    listener.spin(0.5)
+    assert len(topics['joint_states']) == published
+    assert process.process.poll() is None
+
+
 def test_namespace_moves_all_but_clock_and_diagnostics(start, listener):
     start('simulator', '--ros-args', '-r', '__ns:=/left')
     states = listener.listen(JointState, '/left/joint_states', measurement(100))

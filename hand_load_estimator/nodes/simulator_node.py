@@ -18,10 +18,10 @@ from trajectory_msgs.msg import JointTrajectory
 from ..errors import ConfigurationError
 from ..files.shared_files import find_shared
 from ..load import LoadParameters
-from ..plant import Plant, read_effects
+from ..plant import Plant, read_effects, refuse_runaway
 from ..robot import load_robot
 from .command_line import run_from_command_line
-from .diagnostics import OK, WARN, Diagnostics
+from .diagnostics import ERROR, OK, WARN, Diagnostics
 from .estimate_messages import inertia_message
 from .pace import Pace
 from .parameters import NodeParameters
@@ -66,7 +66,7 @@ class SimulatorNode(Node):
         self._epoch = time.time_ns() - int(self._plant.time * 1e9)
         self._period = 1.0 / values.rate
         self._pace = Pace(values.real_time_factor)
-        self._samples, self._taken = 0, 0
+        self._samples, self._taken, self._ended = 0, 0, ''
         self._refused, self._refused_before = Counter(), 0
         self._next_temperature = self._next_clock = 0.0
         self._create_interface()
@@ -98,11 +98,25 @@ class SimulatorNode(Node):
         target = self._pace.target(started, self._plant.time)
         while (self._samples + 1) * self._period <= target + 1e-9:
             self._samples += 1
-            self._plant.step_until(self._samples * self._period)
+            # What overflows is told in one sentence.
+            with np.errstate(all='ignore'):
+                self._plant.step_until(self._samples * self._period)
+            try:
+                refuse_runaway(self._plant)
+            except ConfigurationError as error:
+                self._end(str(error))
+                return
             self._publish_measurement()
             # Trajectories and services wait meanwhile.
             if time.monotonic() - started > _LONGEST_TICK:
                 break
+
+    def _end(self, why):
+        """Publish no more of an arm that there cannot be."""
+        self._ended = why
+        self._timer.cancel()
+        self.get_logger().fatal(f'simulation ended: {why}')
+        self._diagnostics.publish()
 
     def _publish_measurement(self):
         stamp, now = self._stamp(), self._plant.time
@@ -181,6 +195,8 @@ class SimulatorNode(Node):
         achieved, wanted = self._pace.achieved, self._pace.factor
         values = {'real time factor': achieved, 'wanted real time factor': wanted,
                   'simulated seconds': self._plant.time}
+        if self._ended:
+            return ERROR, f'simulation ended: {self._ended}', values
         if achieved < 0.97 * wanted:
             return WARN, f'this machine keeps up {achieved:.2f} of {wanted:g} wanted', values
         return OK, 'the clock keeps its pace', values

@@ -63,7 +63,7 @@ def follow_motion(plant, time, position, velocity=None, acceleration=None, *, se
         # What overflows is told below, in one sentence.
         with np.errstate(all='ignore'):
             plant.step_until(stamp)
-        _refuse_runaway(plant)
+        refuse_runaway(plant)
         if not started and stamp - begin >= settle:
             plant.set_trajectory(plant.robot.joints, time, position, velocity, acceleration)
             started = True
@@ -72,7 +72,7 @@ def follow_motion(plant, time, position, velocity=None, acceleration=None, *, se
             yield TemperatureEvent(plant.time, plant.measure_temperatures())
 
 
-def _refuse_runaway(plant):
+def refuse_runaway(plant):
     """Raise ConfigurationError where the integration has come apart: no arm moves so."""
     _, velocity, _, torque = plant.state()
     share = np.abs(velocity) / plant.robot.limits.velocity
