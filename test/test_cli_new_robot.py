@@ -74,8 +74,9 @@ def test_every_value_to_complete_is_refused_until_it_is_there(tmp_path):
 def test_tip_is_chosen_or_refused(tmp_path, capsys):
     path = urdf(tmp_path)
     assert [j.name for j in read_chain(path, 'finger').joints] == ['j1', 'j2', 'on', 'grip']
-    assert read_chain(path, 'l2').frames == ('l2',)
-    for tip, why in (('nothing', 'not a link'), ('base', 'not behind')):
+    assert read_chain(path, 'l3').frames == ('l3', 'flange')
+    for tip, why in (('nothing', 'not a link'), ('base', 'not behind'),
+                     ('l2', 'too few movable joints')):
         assert main(['new-robot', str(path), '--out', str(tmp_path / 'r.yaml'),
                      '--tip', tip]) == 2
         assert why in capsys.readouterr().err
@@ -130,7 +131,9 @@ def test_what_is_no_tree_is_refused(tmp_path, capsys, old, new, why):
 @pytest.mark.parametrize('content, why', [
     ('nonsense', 'not XML'), ('<sdf/>', 'not a URDF'),
     ('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>', 'xacro'),
-    ('<robot name="r"><link name="a"/></robot>', 'no movable joint')])
+    ('<robot name="r"><link name="a"/></robot>', 'no movable joint'),
+    ('<robot name="r"><link name="a"/><link name="b"/><joint name="only" type="revolute">'
+     '<parent link="a"/><child link="b"/></joint></robot>', "too few movable joints; got 'only'")])
 def test_what_is_no_arm_is_refused(tmp_path, capsys, content, why):
     path = tmp_path / 'x.urdf'
     path.write_text(content)

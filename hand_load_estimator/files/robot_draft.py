@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ElementTree
 import yaml
 
 from ..errors import ConfigurationError
+from .robot_file import LEAST_JOINTS
 
 TO_COMPLETE = 'TO_COMPLETE'
 _MOVABLE = ('revolute', 'continuous', 'prismatic')
@@ -169,6 +170,11 @@ def read_chain(path, tip=None):
     if not joints:
         raise ConfigurationError('--tip', 'is not behind any movable joint', tip,
                                  ', '.join(link for link in links if _movable(paths[link])))
+    if len(joints) < LEAST_JOINTS:
+        raise ConfigurationError(
+            f'{path}: chain to {tip}', 'has too few movable joints',
+            ', '.join(joint.get('name') for joint in joints), f'{LEAST_JOINTS} or more',
+            'give the link at the end of the arm with --tip')
     for joint in joints:
         if joint.get('type') not in _MOVABLE:
             raise ConfigurationError(f'{path}: joint {joint.get("name")}', 'is not usable',

@@ -13,7 +13,7 @@ from .load_file import parse_load, placed
 
 EFFORT_KINDS = ('motor_torque', 'link_torque', 'motor_current')
 # A hand on fewer moves in too few ways to tell of an arm and a load what is asked here.
-_LEAST_JOINTS = 3
+LEAST_JOINTS = 3
 POSITION_SOURCES = ('feedback', 'command')
 
 
@@ -147,8 +147,8 @@ def parse_robot(content, where, folder='.'):
     section = Section(content, where)
     joints = section.names('joints')
     n = len(joints)
-    if n < _LEAST_JOINTS:
-        section.fail('joints', 'are too few', list(joints), f'{_LEAST_JOINTS} or more')
+    if n < LEAST_JOINTS:
+        section.fail('joints', 'are too few', list(joints), f'{LEAST_JOINTS} or more')
     gravity = section.vector('gravity', 3)
     if not 1.0 < np.linalg.norm(gravity) < 30.0:
         section.fail('gravity', 'is not a gravity', gravity.tolist(),
