@@ -170,10 +170,22 @@ def test_what_an_earlier_diagnosis_left_goes(folder):
     (out / 'mine.txt').write_text('mine')
     shutil.copy(out / 'model.yaml', out / 'model_with_correction.yaml')
     (out / 'learned').mkdir()
-    write_artefact(out / 'learned', {}, np.ones(1), {})
+    write_artefact(out / 'learned', {}, np.ones(1), {'started_from': {'name': 'one'}})
     assert diagnosed(folder, 'clean1', out='again')[0] == 0
     assert {p.name for p in out.rglob('*') if p.is_file()} == {
         'report.html', 'report.json', 'model.yaml', 'mine.txt'}
+
+
+def test_an_artefact_of_the_user_stays(folder, capsys):
+    """Its card and weights were removed for those of an earlier diagnosis."""
+    trained = folder / 'mine' / 'learned'
+    trained.mkdir(parents=True)
+    write_artefact(trained, {}, np.ones(1), {'started_from': None})
+    capsys.readouterr()
+    assert main(['diagnose', str(folder / 'clean1'), '--model', str(folder / 'old.yaml'),
+                 '--out', str(folder / 'mine')]) == 2
+    assert 'is of an artefact that no diagnosis made' in capsys.readouterr().err
+    assert len(list(trained.iterdir())) == 2 and len(list((folder / 'mine').iterdir())) == 1
 
 
 @pytest.mark.parametrize('name', ['clean1', 'clean2'])

@@ -1,5 +1,8 @@
 """The folder of a diagnosis: what is written there, and what an earlier one has left."""
 
+import json
+
+from ..errors import ConfigurationError
 from ..files.output_file import output_folder
 from ..learning.artefact import CARD, SCHEMA as LEARNED, WEIGHTS
 from ..torque.model_file import SCHEMA as MODEL
@@ -13,7 +16,20 @@ _STALE = {'report.html': MARK, 'report.json': REPORT, 'model_with_correction.yam
 
 def diagnosis_folder(path, inputs):
     """Return a path as Path; ConfigurationError where a diagnosis must not write there."""
-    return output_folder(path, {'model.yaml': MODEL, **_STALE}, inputs)
+    folder = output_folder(path, {'model.yaml': MODEL, **_STALE}, inputs)
+    if (folder / _CARD).exists() and not _fine_tuned(folder / _CARD):
+        raise ConfigurationError(folder / _CARD, 'is of an artefact that no diagnosis made',
+                                 todo='give another --out')
+    return folder
+
+
+def _fine_tuned(card):
+    """Tell whether a card is of what was trained on from another artefact."""
+    try:
+        content = json.loads(card.read_text(encoding='utf-8'))
+    except ValueError:
+        return False
+    return isinstance(content, dict) and bool(content.get('started_from'))
 
 
 def clear(folder):
