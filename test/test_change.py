@@ -355,6 +355,14 @@ def test_what_is_expected_of_another_load_survives_a_restart(changed):
     assert abs(again.posterior.mean[0] - 3.0) < 0.1
 
 
+def test_no_load_comes_back_into_another_run(changed):
+    state = LoadRegression(load_prior(ur10e()), 6, 18).state()
+    assert changed.last_change is not None
+    changed.restore(state)
+    assert not changed.take_back(changed.last_change + 0.1)
+    assert changed.posterior.mean[0] == pytest.approx(load_prior(ur10e()).mean[0])
+
+
 @pytest.mark.parametrize('end', [LoadRegression.forget, LoadRegression.tare])
 def test_who_forgets_the_load_expects_any(changed, end):
     end(changed)

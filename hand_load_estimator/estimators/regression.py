@@ -228,6 +228,8 @@ class LoadRegression:
         total.by_joint[:] = state['by_joint']
         drifts, precision = DRIFTS * self._joints, state['trust_precision']
         self._recent.begin_with(total.without_last(drifts, Trust(np.diag(precision))))
+        # What was held before a change of this run is none of that one's loads.
+        self._old.forget()
         self._forget_windows()
         self._start, self._zero = state['start'], state['zero']
         self._prior = LoadPrior(state['prior_mean'], state['prior_std'])
