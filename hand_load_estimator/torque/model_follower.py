@@ -183,11 +183,13 @@ class ModelFollower:
 
     def _standing(self, doubt, dt):
         """
-        Return Prediction's `standing` (n,) after dt [s]; doubt (n,): about the friction state.
+        Return Prediction's `standing` after dt [s]; doubt (n,): about the friction state.
 
         A model's error at one pose is the same for a minute as for a second. Of joints with
         friction that is said by what they hold.
         """
+        if not self._frictionless.any():
+            return 1.0
         self._stood = self._stood + dt if doubt.min() >= 1.0 else 0.0
         factor = doubt_after(max(self._stood, REST_TIME)) ** 2
         return np.where(self._frictionless, factor, 1.0)
