@@ -12,11 +12,11 @@ import numpy as np
 
 from .effects import EffectInput, LATE
 from .robot import Robot
-from .torque.columns import (ColumnLayout, effect_slices, presliding_distances, presliding_powers,
-                             tilt_along, torque_columns, warmth_of)
+from .torque.columns import (ColumnLayout, effect_slices, first_of_joints, presliding_distances,
+                             presliding_powers, tilt_along, torque_columns, warmth_of)
 from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
-from .torque.travel_growth import first_of_joints, friction_level, travel_growth
+from .torque.travel_growth import friction_level, travel_growth
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3
@@ -97,7 +97,7 @@ class TorqueModel:
 
     def travel_growth(self):
         """Return the TravelGrowth of these travels, None where they are the same at any warmth."""
-        return travel_growth(self.robot.n, self.uses, self.mean)
+        return travel_growth(self.robot, self.uses, self.mean)
 
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""

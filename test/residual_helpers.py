@@ -57,7 +57,7 @@ def clean_runs(seconds, names=None, celsius=(15.0, 35.0)):
         uses = effect_uses(robot)
         truth = true_parameters(robot, uses)
         x, _ = motion_input(robot, motion, presliding_distances(robot.n, uses),
-                            growth=travel_growth(robot.n, uses, truth))
+                            growth=travel_growth(robot, uses, truth))
         torque = torque_columns(robot, ColumnLayout(robot.n, uses), x) @ truth
         runs.append((x, motion, torque))
     return runs

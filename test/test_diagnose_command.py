@@ -170,22 +170,23 @@ def test_what_an_earlier_diagnosis_left_goes(folder):
     (out / 'mine.txt').write_text('mine')
     shutil.copy(out / 'model.yaml', out / 'model_with_correction.yaml')
     (out / 'learned').mkdir()
-    write_artefact(out / 'learned', {}, np.ones(1), {'started_from': {'name': 'one'}})
+    write_artefact(out / 'learned', {}, np.ones(1), {'made_by': 'diagnose'})
     assert diagnosed(folder, 'clean1', out='again')[0] == 0
     assert {p.name for p in out.rglob('*') if p.is_file()} == {
         'report.html', 'report.json', 'model.yaml', 'mine.txt'}
 
 
-def test_an_artefact_of_the_user_stays(folder, capsys):
+@pytest.mark.parametrize('card', [{'made_by': 'train', 'started_from': {'name': 'one'}}, {}])
+def test_an_artefact_of_the_user_stays(folder, tmp_path, capsys, card):
     """Its card and weights were removed for those of an earlier diagnosis."""
-    trained = folder / 'mine' / 'learned'
-    trained.mkdir(parents=True)
-    write_artefact(trained, {}, np.ones(1), {'started_from': None})
+    trained = tmp_path / 'learned'
+    trained.mkdir()
+    write_artefact(trained, {}, np.ones(1), card)
     capsys.readouterr()
     assert main(['diagnose', str(folder / 'clean1'), '--model', str(folder / 'old.yaml'),
-                 '--out', str(folder / 'mine')]) == 2
+                 '--out', str(tmp_path)]) == 2
     assert 'is of an artefact that no diagnosis made' in capsys.readouterr().err
-    assert len(list(trained.iterdir())) == 2 and len(list((folder / 'mine').iterdir())) == 1
+    assert len(list(trained.iterdir())) == 2 and len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.parametrize('name', ['clean1', 'clean2'])
@@ -238,6 +239,7 @@ def test_the_artefact_is_fine_tuned_from_the_better_model(folder, artefact, monk
         assert learned['load_error'][side]['mass_rmse'] < 0.1 * LOAD.mass
     assert learned['load_error']['before'] != learned['load_error']['after']
     card = json.loads((folder / 'tuned' / 'learned' / 'card.json').read_text())
+    assert card['made_by'] == 'diagnose'
     better = folder / 'tuned' / 'model.yaml'
     assert card['model']['sha256'] == hashlib.sha256(better.read_bytes()).hexdigest()
     assert main(['estimate', str(folder / 'loaded'), '--model', str(better), '--learned',

@@ -58,7 +58,7 @@ class Made:
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
             layout = ColumnLayout(robot.n, self.uses)
             x, _ = motion_input(robot, motion, distance, turning,
-                                travel_growth(robot.n, self.uses, self.x))
+                                travel_growth(robot, self.uses, self.x))
             columns = torque_columns(robot, layout, x)
             noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
             self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))

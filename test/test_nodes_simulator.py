@@ -164,17 +164,28 @@ def test_goes_on_where_time_went_on_after_a_restart(heard, start, listener):
 def test_an_arm_that_runs_away_is_told_and_no_longer_published(start, listener, tmp_path):
     """It published infinite positions."""
     effects = tmp_path / 'effects.yaml'
-    effects.write_text('effects: [{name: gravity_spring, parameters: {stiffness: 1e30}}]\n')
+    effects.write_text('effects: [{name: viscous_friction, joints: [wrist_3_joint], '
+                       'parameters: {coefficient: 3000}}]\n')
     topics = {'diagnostics': listener.listen(DiagnosticArray, '/diagnostics', OUTPUT),
-              'joint_states': listener.listen(JointState, 'joint_states', measurement(2000))}
+              'joint_states': listener.listen(JointState, 'joint_states', measurement(5000))}
     process = start('simulator', '--ros-args', '-p', f'hidden_effects:={effects}')
+    listener.until(lambda: topics['joint_states'], 'a joint state')
+    goal = np.array(topics['joint_states'][-1].position) + 0.3
+    commands = listener.node.create_publisher(
+        JointTrajectory, 'joint_trajectory_controller/joint_trajectory', OUTPUT)
+    listener.until(lambda: commands.get_subscription_count(), 'the simulator as a subscriber')
+    commands.publish(trajectory(goal, 1))
     listener.until(lambda: 'runs away' in said(topics, 'clock')[0], 'a sentence')
     listener.spin(0.2)
     published = len(topics['joint_states'])
-    assert all(np.isfinite(message.position).all() for message in topics['joint_states'])
-    listener.spin(0.5)
+    assert published and all(np.isfinite(m.position).all() for m in topics['joint_states'])
+    commands.publish(trajectory(goal, 1))
+    answer = listener.call(SetBool, 'simulator/attach_load', SetBool.Request(data=True))
+    assert not answer.success and 'has ended' in answer.message
+    listener.until(lambda: 'refused: the simulation has ended' in said(topics, 'trajectories')[1],
+                   'the refused trajectory')
     assert len(topics['joint_states']) == published
-    assert process.process.poll() is None
+    assert process.output.count('simulation ended') == 1 and process.process.poll() is None
 
 
 def test_namespace_moves_all_but_clock_and_diagnostics(start, listener):

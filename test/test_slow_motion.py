@@ -29,6 +29,11 @@ def test_a_load_exchanged_while_the_arm_creeps_is_seen(other):
     assert {e.load_id for e in early} == {0}
 
 
+def test_a_joint_in_motion_moves_whatever_its_friction_does():
+    one = np.array([0.0, 1.0])
+    assert moves(SimpleNamespace(v=2.0 * MOVING * one), SimpleNamespace(z=0.1 * one, doubt=one))
+
+
 @pytest.mark.parametrize('v, z, doubt, wanted', [
     (0.01, 0.99, 0.01, True), (0.01, -0.99, 0.01, True), (0.001, 0.99, 0.01, False),
     (0.01, 0.9, 0.01, False), (0.01, 0.99, 1.0, False)])

@@ -212,6 +212,7 @@ class MotionSuggester:
         model, robot = self._model, self._robot
         times = np.linspace(0.0, motion.duration, 2 * _COARSE + 1)[1:]
         dt, matrix = times[1] - times[0], np.zeros((10, 10))
+        # Travels of the reference temperature are near enough to rank motions by.
         path = PreslidingState(model.presliding_distance(), model.presliding_power())
         path.update(motion.position[0], np.zeros(robot.n), dt)
         for q, v, a in zip(*motion.sample(times)):

@@ -24,6 +24,8 @@ from .shape_search import search_shapes
 
 # How far a link's published mass, and its first and second moments, may be off.
 LINK_DOUBT = 0.1
+# Turns in which knees and the travels that go with them may settle.
+SETTLING = 3
 # Below this much usable motion [s] there is nothing to identify from.
 LEAST_MOTION = 3.0
 
@@ -114,8 +116,10 @@ def identify(robot, evidence, effects=None, progress=lambda text: None, drifting
         intensity = density(system.residual(x), weights, system.owner, system.dt)
         friction = TorqueModel(robot, uses, links_declared, x, posterior, None).held_friction()
     searched = uses
-    uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
-    if not system.travels_hold(uses, x):
+    for _ in range(SETTLING):
+        uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
+        if system.travels_hold(uses, x):
+            break
         system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
     intensity, drift = noise_left_out(system, (mean, covariance), weights, friction)

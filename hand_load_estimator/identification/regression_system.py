@@ -15,7 +15,8 @@ from ..torque.travel_growth import travel_growth
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
 
-# Travels that differ by no more than this share need not be followed anew.
+# Travels that differ by no more than this share need not be followed anew: how recordings tell
+# them is no better.
 ALIKE = 0.02
 # What a joint's friction began with is forgotten where it is in doubt by less than this [-].
 FORGOTTEN = 0.1
@@ -27,15 +28,14 @@ class System:
 
     mean (P,): parameters that tell torques to the effects that depend on them, and how travels go
     with temperature; around these the torque of a delay, which is a product of its share and all
-    others, is made linear. drifting:
-    friction state and velocity (N, n) of the moments that the torques belong to. inputs: the
-    motion_inputs of the evidence, where they are known.
+    others, is made linear. drifting: friction state and velocity (N, n) of the moments that the
+    torques belong to. inputs: the motion_inputs of the evidence, where they are known.
     """
 
     def __init__(self, robot, uses, evidence, mean, inputs=None):
         self.robot = robot
         layout = ColumnLayout(robot.n, uses)
-        self._growth = travel_growth(robot.n, uses, mean)
+        self._growth = travel_growth(robot, uses, mean)
         inputs = inputs or next(motion_inputs(
             robot, [e.motion for e in evidence], [ways_to_turn(robot.n, uses)], self._growth))
         self._inputs = [x for x, _ in inputs]
@@ -83,7 +83,7 @@ class System:
         """Tell whether travels go with temperature as x (P,) of uses says, or nearly so."""
         warmth = np.concatenate([inputs.warmth for inputs in self._inputs])
         own, other = (1.0 if growth is None else growth(warmth) for growth in (
-            self._growth, travel_growth(self.robot.n, uses, x)))
+            self._growth, travel_growth(self.robot, uses, x)))
         return bool(np.abs(other / own - 1.0).max() < ALIKE)
 
     def with_more(self, columns):

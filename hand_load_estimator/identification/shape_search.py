@@ -39,7 +39,7 @@ def search_shapes(robot, uses, evidence, x, intensity, friction, again=False):
         around = again and name == PRESLIDING
         tried = list(_around(uses) if around else _grid(uses, name, shapes))
         best = {}
-        for trial, system in _systems(robot, tried, evidence, x, name):
+        for trial, system in _systems(robot, uses, tried, evidence, x, name):
             # Where nothing tells, a shape stays.
             own = {use.joint: use for use in trial
                    if use.name == name and counts[:, use.joint].any()}
@@ -76,20 +76,24 @@ def _near(use, other, factor):
     return {**use.shape, TRAVEL: travel, 'power': power}
 
 
-def _systems(robot, tried, evidence, x, name):
-    """Yield (uses, their System) of tuples of uses that differ in an effect's shapes."""
+def _systems(robot, uses, tried, evidence, x, name):
+    """
+    Yield (uses, their System) of tuples of uses that differ in an effect's shapes.
+
+    uses: as they are, which x (P,) is of: with another knee these slopes would foretell travels
+    that no joint has.
+    """
+    ways = [ways_to_turn(robot.n, trial) for trial in (tried if name == PRESLIDING else [uses])]
+    inputs = motion_inputs(robot, [e.motion for e in evidence], ways,
+                           travel_growth(robot, uses, x))
     if name == PRESLIDING:
-        inputs = motion_inputs(
-            robot, [e.motion for e in evidence],
-            [ways_to_turn(robot.n, trial) for trial in tried],
-            travel_growth(robot.n, tried[0], x))
         for trial, given in zip(tried, inputs):
             yield trial, System(robot, trial, evidence, x, given)
         return
-    alone, system = EFFECTS[name].needs <= {'warmth'}, None
+    alone, system, given = EFFECTS[name].needs <= {'warmth'}, None, next(inputs)
     for trial in tried:
         if system is None or not alone:
-            system = System(robot, trial, evidence, x)
+            system = System(robot, trial, evidence, x, given)
         else:
             for use, where in effect_slices(robot.n, trial):
                 if use.name == name:

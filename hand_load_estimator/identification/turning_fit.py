@@ -38,7 +38,7 @@ def with_turning_fitted(system, uses, evidence, x, intensity, joints):
     if not joints:
         return uses
     robot, weights = system.robot, system.turning_weights(intensity)
-    growth = travel_growth(robot.n, uses, x)
+    growth = travel_growth(robot, uses, x)
 
     def costs_at(places):
         """Return costs (K, J) of ways of turning (K, J, 2)."""

@@ -49,12 +49,14 @@ FINE_TUNING = Recipe(sequences=1216, calibration=512, validation=256, passes=3,
                      learning_rate=1e-3)
 
 
-def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start_from=None):
+def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start_from=None,
+          made_by='train'):
     """
     Train on draws around a torque model file and write the artefact into `folder`.
 
     start_from: folder of an artefact whose weights are the first ones; its number of hidden units
-    holds. With no passes these weights stay and only their calibration is made anew. Work in
+    holds. With no passes these weights stay and only their calibration is made anew. made_by: the
+    command whose artefact this is, which the card tells. Work in
     progress lies in folder/work and is picked up by the next call with the same recipe, model and
     start; it is removed at the end. Raises ConfigurationError for a wrong model, start or device.
     """
@@ -72,8 +74,8 @@ def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start
     scores = held_out_scores(network, factors, shards['validation'], prior)
     weights = {k: v.numpy() for k, v in network.state_dict().items()}
     write_artefact(folder, weights, factors,
-                   _card(model, job, spans, scores, time.time() - began,
-                         _beside_temperatures(model, recipe, start)))
+                   {'made_by': made_by, **_card(model, job, spans, scores, time.time() - began,
+                                                _beside_temperatures(model, recipe, start))})
     end_work(work, shards)
     return scores
 

@@ -141,6 +141,8 @@ class SimulatorNode(Node):
 
     def _on_trajectory(self, message):
         try:
+            if self._ended:
+                raise ValueError('the simulation has ended')
             self._plant.set_trajectory(*self._checked(message))
             self._taken += 1
         except (ValueError, ConfigurationError) as error:
@@ -175,9 +177,10 @@ class SimulatorNode(Node):
 
     def _on_attach(self, request, response):
         load = load_from_parameters(self._declared.values) if request.data else None
-        response.success = load is None or load.is_physical()
+        response.success = not self._ended and (load is None or load.is_physical())
         if not response.success:
-            response.message = _NO_BODY
+            response.message = self._ended and f'the simulation has ended: {self._ended}' \
+                or _NO_BODY
             return response
         self._plant.attach(load)
         self._publish_true_load()

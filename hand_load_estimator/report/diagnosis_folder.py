@@ -17,19 +17,19 @@ _STALE = {'report.html': MARK, 'report.json': REPORT, 'model_with_correction.yam
 def diagnosis_folder(path, inputs):
     """Return a path as Path; ConfigurationError where a diagnosis must not write there."""
     folder = output_folder(path, {'model.yaml': MODEL, **_STALE}, inputs)
-    if (folder / _CARD).exists() and not _fine_tuned(folder / _CARD):
+    if (folder / _CARD).exists() and not _own(folder / _CARD):
         raise ConfigurationError(folder / _CARD, 'is of an artefact that no diagnosis made',
                                  todo='give another --out')
     return folder
 
 
-def _fine_tuned(card):
-    """Tell whether a card is of what was trained on from another artefact."""
+def _own(card):
+    """Tell whether a card is of what a diagnosis fine-tuned."""
     try:
         content = json.loads(card.read_text(encoding='utf-8'))
     except ValueError:
         return False
-    return isinstance(content, dict) and bool(content.get('started_from'))
+    return isinstance(content, dict) and content.get('made_by') == 'diagnose'
 
 
 def clear(folder):

@@ -16,7 +16,8 @@ def with_fine_tuning(diagnosis, better, model_path, start, folder, runs, progres
     what is made of it; runs: (Evidence, Recording, LoadParameters), of which the loaded ones are
     estimated with method `lstm`, the better model and either artefact.
     """
-    training.train(model_path, folder, training.FINE_TUNING, write=progress, start_from=start)
+    training.train(model_path, folder, training.FINE_TUNING, write=progress, start_from=start,
+                   made_by='diagnose')
     old, new = (read_artefact(path, better.robot) for path in (start, folder))
     return replace(diagnosis, fine_tuning=FineTuning(
         old.card.get('name', ''), load_error(better, runs, old), load_error(better, runs, new)))

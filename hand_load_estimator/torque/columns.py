@@ -73,6 +73,15 @@ def effect_slices(n, uses):
     return pairs
 
 
+def first_of_joints(n, uses, name, values):
+    """Return an effect's first entries (n,) of values (P,), zero for joints without it."""
+    out = np.zeros(n)
+    for use, where in effect_slices(n, uses):
+        if use.name == name:
+            out[use.joint] = values[where.start]
+    return out
+
+
 def parameter_count(n, uses):
     """Return P, the length of x."""
     return 10 * n + sum(len(use.effect.parameters) for use in uses)
