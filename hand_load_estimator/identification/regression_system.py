@@ -29,7 +29,8 @@ class System:
     mean (P,): parameters that tell torques to the effects that depend on them, and how travels go
     with temperature; around these the torque of a delay, which is a product of its share and all
     others, is made linear. drifting: friction state and velocity (N, n) of the moments that the
-    torques belong to. inputs: the motion_inputs of the evidence, where they are known.
+    torques belong to. inputs: the motion_inputs of the evidence, where they are known, with the
+    travels of `mean`, or nearly so.
     """
 
     def __init__(self, robot, uses, evidence, mean, inputs=None):
