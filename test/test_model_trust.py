@@ -14,7 +14,7 @@ from hand_load_estimator.estimators.innovation_scale import InnovationScale
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.model_trust import BEFORE, MISFIT, ModelTrust, WINDOWS
 from hand_load_estimator.estimators.pipeline import Pipeline
-from hand_load_estimator.estimators.regression import LoadRegression
+from hand_load_estimator.estimators.regression import LoadRegression, moves
 from hand_load_estimator.estimators.weighting import joined_columns
 from hand_load_estimator.load import LoadParameters
 from hand_load_estimator.stream.joint_stream import JointStream
@@ -215,7 +215,7 @@ def fed(model, regressions, stream):
         seen = follower.update(sample)
         for regression in regressions:
             regression.add(sample, joined_columns(seen), seen.difference,
-                           sample.dt / seen.density)
+                           sample.dt / seen.density, moves(sample, seen))
             regression.update_posterior()
         regressions[0].look_for_change()
 
