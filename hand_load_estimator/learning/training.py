@@ -56,9 +56,9 @@ def train(model_path, folder, recipe=Recipe(), device='auto', write=print, start
 
     start_from: folder of an artefact whose weights are the first ones; its number of hidden units
     holds. With no passes these weights stay and only their calibration is made anew. made_by: the
-    command whose artefact this is, which the card tells. Work in
-    progress lies in folder/work and is picked up by the next call with the same recipe, model and
-    start; it is removed at the end. Raises ConfigurationError for a wrong model, start or device.
+    command whose artefact this is, which the card tells. Work in progress lies in folder/work and
+    is picked up by the next call with the same recipe, model and start; it is removed at the end.
+    Raises ConfigurationError for a wrong model, start or device.
     """
     began = time.time()
     keep_memory()

@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import EffectInput, LATE
 from ..load import products_from_message
 from ..torque_model import drift_std, DRIFTS, nuisance_columns, uncertain_directions
-from .columns import real_torque, torque_columns, warmth_of
+from .columns import first_of_joints, real_torque, torque_columns, warmth_of
 from .late_rows import LateRows
 from .load_through_effects import gear_with, load_through_effects
 from .misread_weight import misread_columns, misread_directions
@@ -75,10 +75,8 @@ class ModelFollower:
         self._friction = model.held_friction()
         # Whatever varies there is noise, at rest too; but what does not vary is no less wrong.
         self._frictionless = self._friction == 0.0
-        self._gear_friction = np.zeros(model.robot.n)
-        for use, where in model.slices():
-            if use.name == 'load_dependent_friction':
-                self._gear_friction[use.joint] = abs(model.mean[where.start])
+        self._gear_friction = np.abs(first_of_joints(
+            model.robot.n, model.uses, 'load_dependent_friction', model.mean))
         self._uncertain = uncertain_directions(model, directions, seed)
         self._ahead = misread_directions(model.robot.n)
         # An estimate suffers less from what the model states; misread_weight.py's count in full.
