@@ -13,7 +13,7 @@ import numpy as np
 from .effects import EffectInput, LATE
 from .robot import Robot
 from .torque.columns import (ColumnLayout, effect_slices, first_of_joints, presliding_distances,
-                             presliding_powers, tilt_along, torque_columns, warmth_of)
+                             presliding_plastics, tilt_along, torque_columns, warmth_of)
 from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
 from .torque.travel_growth import friction_level, travel_growth
@@ -91,9 +91,9 @@ class TorqueModel:
         """Return the travel (n,) [rad] over which each joint's friction turns at the reference."""
         return presliding_distances(self.robot.n, self.uses)
 
-    def presliding_power(self):
-        """Return the power (n,) [-] of the way in which each joint's friction turns."""
-        return presliding_powers(self.robot.n, self.uses)
+    def presliding_plastic(self):
+        """Return of which last of the way between two levels (n,) each joint's contacts yield."""
+        return presliding_plastics(self.robot.n, self.uses)
 
     def travel_growth(self):
         """Return the TravelGrowth of these travels, None where they are the same at any warmth."""

@@ -123,9 +123,9 @@ def swing(robot, times, rest=0.6, seed=0, size=0.5):
     return centre + 0.3 + q, v, a
 
 
-def presliding_path(q, v, dt, distance, power=None):
+def presliding_path(q, v, dt, distance, plastic=None):
     """Return z and doubt (N, n) along q, v (N, n) of no filter, dt (N,) apart."""
-    state = PreslidingState(distance, np.full(len(distance), np.inf) if power is None else power)
+    state = PreslidingState(distance, np.full(len(distance), 2.0) if plastic is None else plastic)
     both = np.array([state.update(*row) for row in zip(q, v, dt)])
     return both[:, 0], both[:, 1]
 

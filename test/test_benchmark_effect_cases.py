@@ -136,17 +136,17 @@ def test_what_a_diagnosis_adds_is_a_change_of_the_model():
     assert model_change(robot, before, after, {'name': 'load_change'}) == {}
 
 
-@pytest.mark.parametrize('power', [1.0, 3.0, np.inf])
-def test_a_reversal_of_the_model_is_the_travel_after_which_it_has_turned(power):
+@pytest.mark.parametrize('plastic', [0.05, 0.7, 2.0])
+def test_a_reversal_of_the_model_is_the_travel_after_which_it_has_turned(plastic):
     before = exact_model('four')
     (place, use), = [(k, u) for k, u in enumerate(before.uses)
                      if u.name == 'presliding_hysteresis' and u.joint == 1]
-    longer = replace(use, shape={'presliding_distance': 0.02, 'power': power})
+    longer = replace(use, shape={'presliding_distance': 0.02, 'plastic': plastic})
     after = replace(before, uses=(*before.uses[:place], longer, *before.uses[place + 1:]))
     entry = {'name': 'presliding_hysteresis', 'joints': [before.robot.joints[1]]}
     travel = model_change(before.robot, before, after, entry)['travel_of_reversal'] \
         + np.log(40.0) * use.shape['presliding_distance']
-    assert Turning(power).turned(-1.0, travel, 0.02) == pytest.approx(0.95)
+    assert Turning(plastic).turned(-1.0, travel, 0.02) == pytest.approx(0.95)
 
 
 def test_a_figure_is_stated_as_a_change_where_the_model_had_the_effect():

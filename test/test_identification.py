@@ -10,6 +10,7 @@ import pytest
 
 from hand_load_estimator.cli import main
 from hand_load_estimator.effects import DEFAULT_EFFECTS, EFFECTS, EffectInput
+from hand_load_estimator.effects.own_travel import BOTH
 from hand_load_estimator.errors import ConfigurationError, RecordingError
 from hand_load_estimator.files.load_file import write_load_file
 from hand_load_estimator.identification.evidence import Evidence, prepare
@@ -36,10 +37,10 @@ class Made:
     """An arm whose parameters were drawn from identification's own prior."""
 
     def __init__(self, robot, seed=1, density=None, recordings=4, seconds=30.0, names=NAMES,
-                 power=np.inf):
+                 plastic=BOTH):
         rng = np.random.default_rng(seed)
         self.robot = robot
-        shape = TRUE_SHAPE | {'power': power}
+        shape = TRUE_SHAPE | {'plastic': plastic}
         self.uses = tuple(EffectUse(n, j, {s.name: shape.get(s.name, s.default)
                                            for s in EFFECTS[n].shapes})
                           for j in range(robot.n) for n in names if n in EFFECTS)
@@ -52,7 +53,7 @@ class Made:
                 self.x[where.start] = 0.03 * robot.limits.torque[use.joint]
         self.density = density or (4e-3 * robot.limits.torque) ** 2 * DT
         distance = np.full(robot.n, TRUE_SHAPE['presliding_distance'])
-        self.evidence, turning = [], np.full(robot.n, power)
+        self.evidence, turning = [], np.full(robot.n, plastic)
         for k in range(recordings):
             # Each temperature twice: leaving one recording out must not extrapolate.
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
@@ -140,7 +141,7 @@ def test_shapes_are_found(found):
     shapes = {name: [u.shape[name] for u in found.uses if name in u.shape]
               for name in TRUE_SHAPE}
     np.testing.assert_allclose(shapes['presliding_distance'], 1.5e-3, rtol=0.05)
-    assert all(np.isinf(u.shape['power']) for u in found.uses
+    assert all(u.shape['plastic'] == BOTH for u in found.uses
                if u.name == 'presliding_hysteresis')
     assert shapes['stribeck_velocity'].count(0.12) >= 3
 

@@ -117,7 +117,7 @@ def test_presliding_enters_a_model_that_had_none():
                          {'presliding_distance': 2e-3}).chosen.parts[0][0]
     uses = with_effect(model.uses, hypothesis, {})
     assert [(u.joint, u.shape) for u in uses if u.name == 'presliding_hysteresis'] \
-        == [(1, {'presliding_distance': 2e-3, 'power': np.inf})]
+        == [(1, {'presliding_distance': 2e-3, 'plastic': 2.0})]
     # A model that has it keeps one, with the new travel.
     uses = with_effect(declared_model().uses, hypothesis, {})
     assert [u.shape['presliding_distance'] for u in uses if u.name == 'presliding_hysteresis'

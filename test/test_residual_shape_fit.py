@@ -75,7 +75,7 @@ def test_where_nothing_is_to_be_gained_the_shape_stays_or_gains():
 
 def test_an_effect_without_the_shapes_it_may_have_stays_as_it_is():
     # Friction with the load, turning as all friction does: on real arms this ended in a traceback.
-    model, plain = declared_model(), {'travel': np.inf, 'power': np.inf}
+    model, plain = declared_model(), {'travel': np.inf, 'plastic': 2.0}
     residual = find_residual(model, recorded(on(1, 5.0, late)))
     start = Hypothesis('load_dependent_friction', 1, {1: residual.x.sign[:, 1:2]},
                        np.ones(1), plain)

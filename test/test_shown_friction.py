@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_effects_online import along, filtered
 
+from hand_load_estimator.effects.own_travel import BOTH
 from hand_load_estimator.effects.stribeck_curve import left
 from hand_load_estimator.motion import Motion, MotionFilter
 from hand_load_estimator.torque.columns import torque_columns
@@ -19,11 +20,11 @@ from hand_load_estimator.torque.shown_along import shown_along, shown_as_one
 from hand_load_estimator.torque.shown_friction import course_behind
 from hand_load_estimator.torque.shown_stream import ShownStream
 
-TRAVEL, POWER, VELOCITY = 1e-3, 2.0, 0.08
-OWN = {'travel': 3e-3, 'power': 2.0, 'stribeck_velocity': 0.08, 'exponent': 1.4,
+TRAVEL, PLASTIC, VELOCITY = 1e-3, 0.8, 0.08
+OWN = {'travel': 3e-3, 'plastic': 0.8, 'stribeck_velocity': 0.08, 'exponent': 1.4,
        'velocity_range': 30.0}
-# Travels and powers over which the joints' friction turns where none of its own is given.
-WAY = np.full(4, 1e-3), np.full(4, np.inf)
+# Travels and plastics by which the joints' friction turns where none of its own is given.
+WAY = np.full(4, 1e-3), np.full(4, BOTH)
 
 
 def contacts(q, v):
@@ -31,7 +32,7 @@ def contacts(q, v):
     out = np.zeros(len(q))
     for k in range(1, len(q)):
         level = np.exp(-abs(v[k]) / VELOCITY)
-        out[k] = level * Turning(POWER).turned(out[k - 1] / level, q[k] - q[k - 1], level * TRAVEL)
+        out[k] = level * Turning(PLASTIC).turned(out[k - 1] / level, q[k] - q[k - 1], level * TRAVEL)
     return out
 
 
@@ -53,8 +54,8 @@ def seen(motion):
 
 def test_it_is_what_the_filter_makes_of_friction(swing):
     friction, v = swing.effort[:, 0], swing.v
-    shown = shown_along(*seen(swing), WAY)(0, TRAVEL, POWER, VELOCITY)
-    z, _ = presliding_path(swing.q, v, swing.dt, np.array([TRAVEL]), np.array([POWER]))
+    shown = shown_along(*seen(swing), WAY)(0, TRAVEL, PLASTIC, VELOCITY)
+    z, _ = presliding_path(swing.q, v, swing.dt, np.array([TRAVEL]), np.array([PLASTIC]))
     plain = z[:, 0] * np.exp(-np.abs(v[:, 0]) / VELOCITY)
     late, size = slice(50, None), np.std(friction)
     assert np.std(shown[late] - friction[late]) < 0.02 * size
@@ -63,9 +64,9 @@ def test_it_is_what_the_filter_makes_of_friction(swing):
 
 def test_columns_and_follower_take_the_motion_as_it_was_measured(swing):
     late, friction = slice(50, None), swing.effort[:, 0]
-    robot, peak = four_axes(), (TRAVEL, POWER, VELOCITY)
+    robot, peak = four_axes(), (TRAVEL, PLASTIC, VELOCITY)
     x, _ = motion_input(robot, swing, np.full(4, 1e-3))
-    shape = dict(zip(('travel', 'power', 'stribeck_velocity'), peak))
+    shape = dict(zip(('travel', 'plastic', 'stribeck_velocity'), peak))
     left_of_it = []
     for level in (0.0, 1.0):
         follower = ModelFollower(model_with(robot, ('stribeck_friction',),
@@ -80,13 +81,13 @@ def test_columns_and_follower_take_the_motion_as_it_was_measured(swing):
 def test_without_a_travel_of_its_own_it_turns_with_all_friction_of_the_joint(swing, peak):
     stamps = np.arange(0.0, 4.0, 0.0002)
     q, v = 0.02 * np.sin(15.0 * stamps)[:, None], 0.3 * np.cos(15.0 * stamps)[:, None]
-    friction, _ = presliding_path(q, v, np.full(len(q), 0.0002), WAY[0][:1], np.full(1, POWER))
+    friction, _ = presliding_path(q, v, np.full(len(q), 0.0002), WAY[0][:1], np.full(1, PLASTIC))
     if peak:
         friction = friction * left(v, 0.0, *peak)
     motion = MotionFilter(1)
     samples = [motion.update(*row) for row in zip(stamps[::10], q[::10], v[::10], friction[::10])]
     wanted = np.array([s.effort[0] for s in samples if s is not None])
-    own = WAY[0], np.full(4, POWER)
+    own = WAY[0], np.full(4, PLASTIC)
     shown = shown_along(*seen(swing), own)(0, np.inf, np.inf, *peak)
     assert np.std(shown[50:] - wanted[50:]) < 0.02 * np.std(wanted)
 
@@ -134,10 +135,10 @@ def test_the_motion_before_a_filter_that_was_not_there(swing):
         assert np.abs(values - true).max() < share * np.abs(true).max()
 
 
-@pytest.mark.parametrize('power', [np.inf, POWER, np.array([POWER, np.inf])])
-def test_a_stream_is_as_the_whole(swing, power):
+@pytest.mark.parametrize('plastic', [BOTH, PLASTIC, np.array([PLASTIC, BOTH])])
+def test_a_stream_is_as_the_whole(swing, plastic):
     motion = seen(swing)
-    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), power, np.array([VELOCITY, np.inf])
+    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), plastic, np.array([VELOCITY, np.inf])
     stream = ShownStream(WAY)
     online = np.array([stream.at(*row, 0)(*places)[0] for row in zip(*motion)])
     np.testing.assert_allclose(online, shown_along(*motion, WAY)(*places), atol=1e-12)
@@ -153,7 +154,7 @@ def test_a_stream_is_as_the_whole(swing, power):
 def test_recordings_beside_one_another_are_as_each_alone(swing):
     motion = seen(swing)
     parts = [tuple(column[rows] for column in motion) for rows in (slice(90), slice(40, None))]
-    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), POWER, VELOCITY
+    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), PLASTIC, VELOCITY
     each = [shown_along(*part, WAY) for part in parts]
     together = shown_as_one(each)
     np.testing.assert_array_equal(together(*places), np.concatenate([s(*places) for s in each]))

@@ -37,7 +37,7 @@ def test_what_is_not_known_is_not_stated():
 
 @pytest.mark.parametrize('name, shape, known', [
     ('backlash', {'travel': 0.004, 'lag': 0.01, 'pose_share': 0.1, 'impact': 0.009}, 'travel'),
-    ('presliding_hysteresis', {'presliding_distance': 2e-3, 'power': 2.0}, 'power')])
+    ('presliding_hysteresis', {'presliding_distance': 2e-3, 'plastic': 0.8}, 'plastic')])
 def test_a_model_that_knows_some_of_its_shapes_is_read_back(tmp_path, name, shape, known):
     model = declared_model(names=('torque_offset',))
     uses = (EffectUse(name, 0, shape, {known: 1e-3}),)

@@ -90,14 +90,14 @@ def test_without_temperature_or_friction_travels_stay():
 
 def test_half_the_friction_turns_over_half_the_travel():
     model = falling(0.025)
-    distance, power = model.presliding_distance(), np.full(4, 2.0)
+    distance, plastic = model.presliding_distance(), np.full(4, 0.8)
     reference = model.robot.reference_temperature
-    found, doubt = motion_input(model.robot, warming(reference + 20.0), distance, power,
+    found, doubt = motion_input(model.robot, warming(reference + 20.0), distance, plastic,
                                 model.travel_growth())
-    half, doubted = motion_input(model.robot, warming(reference), 0.5 * distance, power)
+    half, doubted = motion_input(model.robot, warming(reference), 0.5 * distance, plastic)
     np.testing.assert_allclose(found.z, half.z, atol=1e-12)
     np.testing.assert_allclose(doubt, doubted, atol=1e-12)
-    whole, _ = motion_input(model.robot, warming(reference), distance, power)
+    whole, _ = motion_input(model.robot, warming(reference), distance, plastic)
     assert np.abs(found.z - whole.z).max() > 0.05
 
 
@@ -106,7 +106,7 @@ def test_it_is_followed_online_as_along_a_recording():
     motion = warming(25.0)
     motion = warming(np.linspace(COLD, WARM, len(motion.dt)))
     x, doubt = motion_input(model.robot, motion, model.presliding_distance(),
-                            model.presliding_power(), model.travel_growth())
+                            model.presliding_plastic(), model.travel_growth())
     follower = ModelFollower(model)
     online = [follower.update(sample) for sample in motion.samples()]
     np.testing.assert_allclose([seen.z for seen in online], x.z, atol=1e-9)
@@ -130,12 +130,12 @@ def test_bristles_of_one_stiffness_turn_so(celsius):
                                   np.full(n, 25.0 + kelvin), 5e-4)
         return (friction / level)[::10]
     told = turning(0.0)
-    travels, powers = np.geomspace(2e-4, 4e-3, 30), Turning(np.full(n, 1.6))
+    travels, contacts = np.geomspace(2e-4, 4e-3, 30), Turning(np.full(n, 0.5))
 
     def model(travel):
         out, z = [], told[0]
         for way in np.diff(q[::10], axis=0):
-            z = powers.turned(z, np.repeat(way, n), travel)
+            z = contacts.turned(z, np.repeat(way, n), travel)
             out.append(z)
         return np.array(out)
     late = slice(300, None)

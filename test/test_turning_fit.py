@@ -8,18 +8,25 @@ import pytest
 from test_identification import Made, TRUE_SHAPE
 
 from hand_load_estimator.effects import PRESLIDING
+from hand_load_estimator.effects.own_travel import BOTH
 from hand_load_estimator.identification.identify import identify
 from hand_load_estimator.identification.regression_system import System
 from hand_load_estimator.identification.turning_fit import with_turning_fitted
 from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.torque.columns import EffectUse
+from hand_load_estimator.torque.presliding import Turning
 
 TRAVEL = 'presliding_distance'
 
 
 def turning_of(uses):
-    """Return {joint: (travel [rad], power)}."""
-    return {u.joint: (u.shape[TRAVEL], u.shape['power']) for u in uses if u.name == PRESLIDING}
+    """Return {joint: (travel [rad], plastic)}."""
+    return {u.joint: (u.shape[TRAVEL], u.shape['plastic']) for u in uses if u.name == PRESLIDING}
+
+
+def reversal(travel, plastic):
+    """Return z after ways from one level."""
+    return Turning(plastic).turned(-1.0, np.linspace(0.0, 0.1, 50), travel)
 
 
 def settled(made, uses, joints):
@@ -28,11 +35,11 @@ def settled(made, uses, joints):
     return with_turning_fitted(system, uses, made.evidence, made.x, made.density, joints)
 
 
-@pytest.mark.parametrize('power, first', [(1.4, 3.0), (np.inf, 4.0)])
-def test_it_settles_from_beside_where_it_is(monkeypatch, power, first):
+@pytest.mark.parametrize('plastic, first', [(0.5, 1.0), (BOTH, 1.5)])
+def test_it_settles_from_beside_where_it_is(monkeypatch, plastic, first):
     monkeypatch.setitem(TRUE_SHAPE, TRAVEL, 0.02)
-    made = Made(four_axes(), recordings=2, power=power)
-    beside = {TRAVEL: 0.022, 'power': first}
+    made = Made(four_axes(), recordings=2, plastic=plastic)
+    beside = {TRAVEL: 0.022, 'plastic': first}
     uses = tuple(replace(u, shape={**u.shape, **beside}) if u.name == PRESLIDING else
                  EffectUse(u.name, u.joint, u.shape) for u in made.uses)
     found = turning_of(settled(made, uses, [1, 3]))
@@ -40,7 +47,7 @@ def test_it_settles_from_beside_where_it_is(monkeypatch, power, first):
         assert found[j] == (0.022, first), 'of a joint that was not asked for nothing changes'
     for j in (1, 3):
         assert found[j][0] == pytest.approx(0.02, rel=0.03)
-        assert 1.0 / found[j][1] == pytest.approx(1.0 / power, abs=0.05)
+        np.testing.assert_allclose(reversal(*found[j]), reversal(0.02, plastic), atol=0.02)
 
 
 def test_a_joint_without_presliding_has_none_to_settle():
@@ -57,14 +64,14 @@ def test_where_it_is_right_nothing_moves():
 
 def test_a_better_model_has_it_and_no_old_deviation(monkeypatch):
     monkeypatch.setitem(TRUE_SHAPE, TRAVEL, 0.02)
-    made = Made(four_axes(), recordings=2, power=1.4)
+    made = Made(four_axes(), recordings=2, plastic=0.6)
     model = identify(made.robot, made.evidence[:1])
-    wrong = tuple(replace(u, shape={**u.shape, TRAVEL: 0.022, 'power': 3.0},
+    wrong = tuple(replace(u, shape={**u.shape, TRAVEL: 0.022, 'plastic': 1.0},
                           shape_std={TRAVEL: 1e-5}) if u.name == PRESLIDING else u
                   for u in model.uses)
     found = identified_again(model, wrong, made.evidence, {(PRESLIDING, 1)})
     turning = turning_of(found.uses)
     assert turning[1][0] == pytest.approx(0.02, rel=0.03)
-    assert turning[1][1] == pytest.approx(1.4, rel=0.1)
-    assert turning[2] == (0.022, 3.0), 'it was not found there'
+    assert turning[1][1] == pytest.approx(0.6, rel=0.1)
+    assert turning[2] == (0.022, 1.0), 'it was not found there'
     assert next(u for u in found.uses if (u.name, u.joint) == (PRESLIDING, 1)).shape_std == {}

@@ -7,6 +7,7 @@ a model that had Coulomb friction is asked how much came to it, and a ripple is 
 
 import numpy as np
 
+from ..effects.own_travel import BOTH
 from ..plant import Plant
 from ..plant.effects_file import parse_effects
 from ..plant.hidden.gear import Gap
@@ -147,8 +148,8 @@ def _figures(model, name, joint):
     return {}
 
 
-def _reversal(presliding_distance, power=np.inf):
+def _reversal(presliding_distance, plastic=BOTH):
     """Return the travel [rad] from one level to 95 % of the other; presliding.Turning solved."""
-    if np.isinf(power):
-        return presliding_distance * np.log(2.0 / 0.05)
-    return presliding_distance * power * (2.0 ** (1.0 / power) - 0.05 ** (1.0 / power))
+    sprung, yielding = (BOTH - plastic) / plastic, np.log(plastic / 0.05)
+    return presliding_distance * (sprung + yielding) * 2.0 * BOTH * plastic / (
+        BOTH ** 2 + plastic ** 2)

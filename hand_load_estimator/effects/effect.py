@@ -27,7 +27,7 @@ class EffectInput:
     torque of the drive so many seconds ago less the torque now, (N, n) for a delay or delays
     (n,); play(j, travel, lag, pose_share, impact): what a gap [rad] in the gear of joint j
     does to the torque of its drive (play.py), (N,) [Nm], or (N, m) for arrays of m joints,
-    gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, power, *peak): friction of
+    gaps, lags [s], shares [-] and impacts [s]; shown(j, travel, plastic, *peak): friction of
     size one as the motion filter shows it (shown_friction.py), (N,) or (N, m) [-], peak: of
     stribeck_curve.left; jerk [rad/s^3] where q, v and a come through the motion filter.
     """

@@ -1,7 +1,7 @@
 """Friction that grows with the torque of the gear."""
 
 from .effect import Effect
-from .own_travel import of_own_travel, OWN_TRAVEL, POWER
+from .own_travel import of_own_travel, OWN_TRAVEL, PLASTIC
 from .shown_gear import shown_size
 
 
@@ -17,6 +17,6 @@ def _columns(x, j, shape):
 
 LOAD_DEPENDENT_FRICTION = Effect(
     'load_dependent_friction', 'tooth friction grows with the torque the gear carries',
-    'Hamon et al. 2010', (('coefficient', '-'),), (0.1,), _columns, (OWN_TRAVEL, POWER),
+    'Hamon et al. 2010', (('coefficient', '-'),), (0.1,), _columns, (OWN_TRAVEL, PLASTIC),
     against='gear torque',
     needs=frozenset({'gear', 'gear_way'}), absolute=True, positive=(0,))

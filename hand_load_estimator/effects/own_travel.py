@@ -7,7 +7,11 @@ from .effect import Shape
 # Contacts are springs: the larger a friction, the longer the way over which they bend (Canudas de
 # Wit et al. 1995). Infinity: it turns as the joint's other friction; only a residual tells more.
 OWN_TRAVEL = Shape('travel', 'rad', np.inf, (np.inf,), 25.0)
-POWER = Shape('power', '-', np.inf, (np.inf,), 25.0, least=1.0)
+# [levels] From one level of friction to the other.
+BOTH = 2.0
+# The last of that way, over which contacts yield; before that they are a spring (Dupont et al.
+# 2002). Where they yield all the way only a large effect tells more.
+PLASTIC = Shape('plastic', '-', BOTH, (BOTH,), 25.0, least=0.05, most=BOTH)
 
 
 def of_own_travel(x, j, shape, plain, *peak):
@@ -22,7 +26,7 @@ def of_own_travel(x, j, shape, plain, *peak):
     if x.shown is None or not np.any(own):
         return plain
     joints = np.arange(x.q.shape[1])[j]
-    places = joints, shape[OWN_TRAVEL.name], shape.get(POWER.name, np.inf), *peak
+    places = joints, shape[OWN_TRAVEL.name], shape.get(PLASTIC.name, BOTH), *peak
     if not np.ndim(joints) or np.all(own):
         return x.shown(*places)
     out = plain.copy()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .effect import Effect, Shape
-from .own_travel import POWER
+from .own_travel import BOTH, PLASTIC
 
 PRESLIDING = 'presliding_hysteresis'
 # [rad] Friction that turns over a longer way is hardly told from another level of it.
@@ -17,10 +17,11 @@ def _columns(x, j, _):
 
 PRESLIDING_HYSTERESIS = Effect(
     PRESLIDING, 'friction turns over a short travel after a reversal',
-    'Dahl 1968; Al-Bender et al. 2005',
+    'Dahl 1968; Dupont et al. 2002',
     (('level', 'Nm'),), (0.003,), _columns,
     (Shape('presliding_distance', 'rad', 1e-3,
            (2e-4, 3.5e-4, 6e-4, 1e-3, 1.7e-3, 2.9e-3, 5e-3), most=LONGEST),
-     # Of the way it turns (presliding.Turning): Dahl's exponent 1, or a third.
-     Shape(POWER.name, POWER.unit, np.inf, (np.inf, 1.5), POWER.gain, POWER.least)),
+     # Yielding all the way, as Dahl's contacts do, or its last quarter.
+     Shape(PLASTIC.name, PLASTIC.unit, BOTH, (BOTH, 0.5), PLASTIC.gain, PLASTIC.least,
+           PLASTIC.most)),
     against='travel since reversal', default=True)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .effect import Effect, Shape, side_by_side, SLOWEST
-from .own_travel import of_own_travel, OWN_TRAVEL, POWER
+from .own_travel import of_own_travel, OWN_TRAVEL, PLASTIC
 from .stribeck_curve import left
 
 # How the peak falls, and how temperature moves it: only a large peak tells more than the plainest.
@@ -25,5 +25,5 @@ STRIBECK_FRICTION = Effect(
     'Bittencourt and Axelsson 2014', (('level', 'Nm'), ('slope', 'Nm/K')), (0.05, 1e-3), _columns,
     (Shape('stribeck_velocity', 'rad/s', 0.1, (0.03, 0.06, 0.12, 0.25, 0.5),
            least=SLOWEST, most=FASTEST_PEAK), EXPONENT,
-     VELOCITY_RANGE, OWN_TRAVEL, POWER),
+     VELOCITY_RANGE, OWN_TRAVEL, PLASTIC),
     default=True, positive=(0,), of_warmth=(1,))

@@ -213,7 +213,7 @@ class MotionSuggester:
         times = np.linspace(0.0, motion.duration, 2 * _COARSE + 1)[1:]
         dt, matrix = times[1] - times[0], np.zeros((10, 10))
         # Travels of the reference temperature are near enough to rank motions by.
-        path = PreslidingState(model.presliding_distance(), model.presliding_power())
+        path = PreslidingState(model.presliding_distance(), model.presliding_plastic())
         path.update(motion.position[0], np.zeros(robot.n), dt)
         for q, v, a in zip(*motion.sample(times)):
             z, doubt = path.update(q, v, dt)

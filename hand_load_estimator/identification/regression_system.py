@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import LATE
 from ..effects.effect import SLOWEST
 from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, presliding_distances,
-                              presliding_powers, torque_columns)
+                              presliding_plastics, torque_columns)
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.motion_inputs import known_motion, motion_inputs
 from ..torque.presliding import stuck_density
@@ -161,8 +161,8 @@ class System:
 
 
 def ways_to_turn(n, uses):
-    """Return the travels [rad] and powers (n,) over which n joints' friction turns."""
-    return presliding_distances(n, uses), presliding_powers(n, uses)
+    """Return the travels [rad] over which n joints' friction turns, and where it yields (n,)."""
+    return presliding_distances(n, uses), presliding_plastics(n, uses)
 
 
 def posterior_of(mean, covariance, told):

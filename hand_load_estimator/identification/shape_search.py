@@ -12,12 +12,11 @@ from ..torque.travel_growth import travel_growth
 from .regression_system import System, ways_to_turn
 
 TRAVEL = 'presliding_distance'
-# Travels to look at around one that was found, in times it; with another power a travel is so many
-# times as long.
-AROUND, LONGER = (1.0, 0.75, 0.87, 1.15, 1.33), 1.7
+# Travels to look at around one that was found, in times it.
+AROUND = (1.0, 0.75, 0.87, 1.15, 1.33)
 # Nats that another value than the default must gain, instead of what a Shape asks for: how
 # friction turns is looked for where it turns, and shows there.
-PRICES = {'power': 1.0}
+PRICES = {'plastic': 1.0}
 # Nats that a travel must gain to be e times as long. Where recordings do not tell it, chance would
 # take a long one, which excuses more samples from the fit: friction is then off while it turns.
 EXCUSED = 2.0
@@ -62,18 +61,18 @@ def _grid(uses, name, shapes):
 
 
 def _around(uses):
-    """Yield uses with travels around their own, and around those that go with another power."""
+    """Yield uses with travels around their own, of contacts that yield as theirs and otherwise."""
     for other, factor in product((False, True), AROUND):
         yield tuple(replace(u, shape=_near(u, other, factor)) if u.name == PRESLIDING else u
                     for u in uses)
 
 
 def _near(use, other, factor):
-    travel, power = factor * use.shape[TRAVEL], use.shape['power']
-    plain, bent = next(s.grid for s in use.effect.shapes if s.name == 'power')
+    plastic = use.shape['plastic']
+    plain, sprung = next(s.grid for s in use.effect.shapes if s.name == 'plastic')
     if other:
-        power, travel = (bent, travel * LONGER) if power == plain else (plain, travel / LONGER)
-    return {**use.shape, TRAVEL: travel, 'power': power}
+        plastic = sprung if plastic == plain else plain
+    return {**use.shape, TRAVEL: factor * use.shape[TRAVEL], 'plastic': plastic}
 
 
 def _systems(robot, uses, tried, evidence, x, name):
@@ -104,9 +103,7 @@ def _systems(robot, uses, tried, evidence, x, name):
 def _price(shape, values):
     """Return the nats that a value of a Shape must gain beyond the default, or the shortest."""
     if shape.name == TRAVEL:
-        # With another power a travel as long as this one is LONGER.
-        travel = values[TRAVEL] / (1.0 if np.isinf(values['power']) else LONGER)
-        return EXCUSED * max(np.log(travel / shape.grid[0]), 0.0)
+        return EXCUSED * max(np.log(values[TRAVEL] / shape.grid[0]), 0.0)
     return 0.0 if values[shape.name] == shape.default else PRICES.get(shape.name, shape.gain)
 
 

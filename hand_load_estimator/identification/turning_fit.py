@@ -11,25 +11,25 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import EFFECTS, PRESLIDING
+from ..effects.own_travel import BOTH, PLASTIC
 from ..torque.motion_inputs import motion_inputs
 from ..torque.travel_growth import travel_growth
 from .regression_system import System, ways_to_turn
 from .shape_search import joint_costs, PRICES, TRAVEL
 
 TURNS = 4
-# Steps of a turn in the logarithm of the travel and in Dahl's exponent; each turn's are SMALLER.
-STEPS, SMALLER = np.array([0.08, 0.15]), 0.5
+# Steps of a turn in the logarithm of the travel and in the way over which contacts yield, in
+# levels; each turn's are SMALLER.
+STEPS, SMALLER = np.array([0.08, 0.3]), 0.5
 # No turn goes further than so many steps.
 FURTHEST = 2.0
-# Dahl's exponents from here on are 1: the level is approached for ever.
-ENDLESS = 0.99
 # [nats] that settling must gain: noise moves a way by less.
 LEAST = 5.0
 
 
 def with_turning_fitted(system, uses, evidence, x, intensity, joints):
     """
-    Return uses with travel and power of joints (indices) where all effects of each fit best.
+    Return uses whose joints (indices) turn as all effects of each fit best.
 
     system: the System of uses and Evidence; x (P,): tells the torque of all else; intensity (n,)
     [Nm^2 s] of the residual. Where that gains less than LEAST nothing changes.
@@ -45,8 +45,8 @@ def with_turning_fitted(system, uses, evidence, x, intensity, joints):
         trials = [_turning(uses, joints, those) for those in places]
         inputs = motion_inputs(robot, [e.motion for e in evidence],
                                [ways_to_turn(robot.n, trial) for trial in trials], growth)
-        # Twice the nats that another power than the first must gain.
-        prices = 2.0 * PRICES['power'] * (places[..., 1] < ENDLESS)
+        # Twice the nats that a spring must gain.
+        prices = 2.0 * PRICES[PLASTIC.name] * (places[..., 1] < BOTH)
         return prices + np.array([
             list(joint_costs(trial, System(robot, trial, evidence, x, given), x, weights, joints))
             for trial, given in zip(trials, inputs)])
@@ -74,22 +74,21 @@ def _bottoms(above, here, below):
 
 
 def _possible(places):
-    """Return places (..., 2) with exponents between a spring's and Dahl's first."""
-    places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
+    """Return places (..., 2) at which contacts yield over as much as they may."""
+    places[..., 1] = np.clip(places[..., 1], PLASTIC.least, PLASTIC.most)
     return places
 
 
 def _place(uses, j):
-    """Return the logarithm of joint j's travel [rad], and Dahl's exponent 1 - 1 / power."""
+    """Return the logarithm of joint j's travel [rad], and over which way its contacts yield."""
     shape = next(u.shape for u in uses if (u.name, u.joint) == (PRESLIDING, j))
-    return np.log(shape[TRAVEL]), 1.0 - 1.0 / shape['power']
+    return np.log(shape[TRAVEL]), shape[PLASTIC.name]
 
 
 def _turning(uses, joints, places):
     """Return uses with other places (J, 2) of joints."""
     shapes = {j: EFFECTS[PRESLIDING].bounded({
-        TRAVEL: float(np.exp(travel)),
-        'power': float(1.0 / (1.0 - exponent)) if exponent < ENDLESS else np.inf})
-        for j, (travel, exponent) in zip(joints, places)}
+        TRAVEL: float(np.exp(travel)), PLASTIC.name: float(plastic)})
+        for j, (travel, plastic) in zip(joints, places)}
     return tuple(replace(u, shape={**u.shape, **shapes[u.joint]}, shape_std={})
                  if u.name == PRESLIDING and u.joint in shapes else u for u in uses)

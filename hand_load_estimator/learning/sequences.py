@@ -32,7 +32,7 @@ from .unmodelled import (coloured_noise, disturbances, draw_friction, friction_s
                          friction_torque)
 
 # Figures of a Stribeck peak that draws do not have.
-PLAIN = frozenset({'travel', 'power', 'velocity_range'})
+PLAIN = frozenset({'travel', 'plastic', 'velocity_range'})
 RATE = 100.0      # [Hz] of the simulated messages
 EVERY = 2         # messages per step of the estimator
 DURATION = 10.0   # [s]
@@ -201,7 +201,7 @@ def _remembered(shown):
 def _inputs(model, motion, course, warmth, dt):
     """Return (EffectInput, doubt (N, n)) along both motions; warmth (N, n) [K], dt (N,) [s]."""
     n, half = model.robot.n, len(dt) // 2
-    own = model.presliding_distance(), model.presliding_power()
+    own = model.presliding_distance(), model.presliding_plastic()
     # Friction is drawn at the reference temperature (_friction_and_noise): its travels stay.
     parts = tuple(ShownPart(SeenCourse(course[rows], dt[rows], np.full(half, EVERY)), warmth[rows])
                   for rows in (slice(half), slice(half, None)))
@@ -270,7 +270,7 @@ def _friction_and_noise(rng, model, actual, q, v):
         _values(model, 'presliding_hysteresis'), _values(model, 'viscous_friction'),
         [_values(model, 'stribeck_friction', shape=figure)
          for figure in ('stribeck_velocity', 'exponent')],
-        (model.presliding_distance(), model.presliding_power()))
+        (model.presliding_distance(), model.presliding_plastic()))
     friction = friction_torque(friction_state(rng, q, v, 1.0 / RATE, truth), v, truth)
     white = rng.uniform(0.3, 1.0, model.robot.n) * np.minimum(
         actual.rmse ** 2 / NOISE_BANDWIDTH, actual.intensity)

@@ -2,25 +2,24 @@
 Priors for torque the model does not have, drawn per training sequence.
 
 All sizes are in units of what identification measured (friction levels, residual noise), so the
-same priors serve every robot. Nothing here knows the plant: the friction state follows Dahl's
-closed form with a travel, a starting value and a shape of its own, and the rest are generic
-disturbances an identified model is known to miss.
+same priors serve every robot. Nothing here knows the plant: the friction state turns as a
+model's does (torque/presliding.py), with a travel, a starting value and a shape of its own, and
+the rest are generic disturbances an identified model is known to miss.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..effects.own_travel import BOTH, PLASTIC
 from ..effects.smooth_sign import sign_of
 from ..effects.stribeck_curve import left
-from ..torque.presliding import REST_SPEED, REST_TIME
+from ..torque.presliding import REST_SPEED, REST_TIME, Turning
 
-# How far identified arms are off: their travel (of its logarithm), Dahl's exponent, and what of
-# the friction level, on the way between two levels, no such curve has. Together they leave a few
-# hundredths of the level there, as simulated development arms do.
-TRAVEL, BEND, BESIDE = 0.1, 0.08, 0.03
-# Dahl's exponent of 1 has another closed form: it is drawn as one that is hardly less.
-STEEPEST = 0.95
+# How far identified arms are off: their travel (of its logarithm), the way over which contacts
+# yield [levels], and what of the friction level, on the way between two levels, no such curve has.
+# Together they leave a few hundredths of the level there, as simulated development arms do.
+TRAVEL, YIELDING, BESIDE = 0.1, 0.16, 0.03
 
 
 @dataclass(frozen=True)
@@ -30,9 +29,8 @@ class FrictionTruth:
 
     coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns more than
     all of it does; viscous [Nm s/rad]; stribeck_velocity [rad/s] and stribeck_exponent [-];
-    distance [rad] of presliding; bend: exponent of the approach to the level (1 is Dahl's, 0
-    elastoplastic); beside: share of the level that is on the way between two levels, beside that;
-    start: friction state at rest, beyond 1 where static friction exceeds sliding.
+    distance [rad] and plastic of presliding.Turning; beside: share of the level that is on the way
+    between two levels, beside that; start: friction state at rest, beyond 1 where static friction exceeds sliding.
     """
 
     coulomb: np.ndarray
@@ -42,7 +40,7 @@ class FrictionTruth:
     stribeck_velocity: np.ndarray
     stribeck_exponent: np.ndarray
     distance: np.ndarray
-    bend: np.ndarray
+    plastic: np.ndarray
     beside: np.ndarray
     start: np.ndarray
 
@@ -51,9 +49,9 @@ def draw_friction(rng, coulomb, breakaway, turning, viscous, peak, way):
     """
     Return a FrictionTruth around identified values (n,) each.
 
-    peak: Stribeck velocity and exponent; way: travel [rad] and power (presliding.Turning).
+    peak: Stribeck velocity and exponent; way: travel [rad] and plastic (presliding.Turning).
     """
-    n, (velocity, exponent), (distance, power) = len(coulomb), peak, way
+    n, (velocity, exponent), (distance, plastic) = len(coulomb), peak, way
 
     def near(value, spread):
         return value * np.exp(rng.normal(0.0, spread, n))
@@ -61,7 +59,7 @@ def draw_friction(rng, coulomb, breakaway, turning, viscous, peak, way):
     # Coulomb and viscous levels are varied by the model's measured drift (sequences.py).
     return FrictionTruth(coulomb, near(breakaway, 0.15), near(turning, 0.1),
                          viscous, near(velocity, 0.2), exponent, near(distance, TRAVEL),
-                         np.clip(rng.normal(1.0 - 1.0 / power, BEND), 0.0, STEEPEST),
+                         np.clip(rng.normal(plastic, YIELDING), PLASTIC.least, BOTH),
                          rng.normal(0.0, BESIDE, n), rng.uniform(-1.2, 1.2, n))
 
 
@@ -69,18 +67,14 @@ def friction_state(rng, q, v, dt, truth):
     """
     Return z (N, n): the friction state along q (N, n), let go a little whenever a joint rests.
 
-    v (N, n) [rad/s]; dt [s] of a row. With w = 1 - z sign, dw = -w^bend |dq| / s has the closed
-    form used here for any bend < 1.
-
-    Once it rests the contacts relax towards a random value (creep, a brake, a drive's dither).
+    v (N, n) [rad/s]; dt [s] of a row. Once it rests the contacts relax towards a
+    random value (creep, a brake, a drive's dither).
     """
-    z, stiff = np.empty_like(q), 1.0 - truth.bend
+    z, turning = np.empty_like(q), Turning(truth.plastic)
     state, rested = truth.start.copy(), np.zeros(q.shape[1])
     for k in range(len(q)):
         step = q[k] - q[k - 1] if k else np.zeros(q.shape[1])
-        sign = np.sign(step)
-        gap = np.maximum(1.0 - state * sign, 0.0) ** stiff - stiff * np.abs(step) / truth.distance
-        state = np.where(sign == 0.0, state, sign * (1.0 - np.maximum(gap, 0.0) ** (1.0 / stiff)))
+        state = turning.turned(state, step, truth.distance)
         before, rested = rested, np.where(np.abs(v[k]) < REST_SPEED, rested + dt, 0.0)
         if np.any(came := (rested > REST_TIME) & (before <= REST_TIME)):
             relaxed = rng.uniform(-1.1, 1.1, len(state))

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..effects import EFFECTS, LATE
 from ..effects.knee import KNEE
+from ..effects.own_travel import BOTH
 from .lateness import lateness
 from .link_pull import link_pull
 from .play import PlayAlong
@@ -96,13 +97,13 @@ def presliding_distances(n, uses):
     return distance
 
 
-def presliding_powers(n, uses):
-    """Return the power (n,) [-] of the way in which each joint's friction turns."""
-    power = np.full(n, np.inf)
+def presliding_plastics(n, uses):
+    """Return of which last of the way between two levels (n,) each joint's contacts yield."""
+    plastic = np.full(n, BOTH)
     for use in uses:
         if use.name == 'presliding_hysteresis':
-            power[use.joint] = use.shape['power']
-    return power
+            plastic[use.joint] = use.shape['plastic']
+    return plastic
 
 
 def effect_columns(x, use):

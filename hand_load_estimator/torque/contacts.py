@@ -10,6 +10,7 @@ from itertools import repeat
 import numpy as np
 
 from ..course import STEPS
+from ..effects.own_travel import BOTH
 from .presliding import Turning
 
 # Of a Stribeck peak less than this [-] is nothing.
@@ -20,17 +21,17 @@ FAR = 2.0
 
 class Contacts:
     """
-    Friction (K,) of size one that turns over travels (K,) with powers (K,), or below levels.
+    Friction (K,) of size one that turns over travels (K,), or up to levels.
 
-    friction (K,): where it begins.
+    plastic (K,): of presliding.Turning; friction (K,): where it begins.
     """
 
-    def __init__(self, travels, powers, friction):
-        self._travels, self._turning = travels, Turning(powers)
-        # Of an infinite power many samples are as easy as one.
-        self._endless, self._finite = (np.flatnonzero(which) for which in (
-            np.isinf(powers), np.isfinite(powers)))
-        self._turning_finite = Turning(powers[self._finite])
+    def __init__(self, travels, plastic, friction):
+        self._travels, self._turning = travels, Turning(plastic)
+        # Of contacts that yield all the way many samples are as easy as one.
+        yields = np.asarray(plastic) >= BOTH
+        self._yielding, self._sprung = np.flatnonzero(yields), np.flatnonzero(~yields)
+        self._turning_sprung = Turning(plastic[self._sprung])
         self.friction = friction
 
     def ways(self, moved, levels):
@@ -58,16 +59,16 @@ class Contacts:
         """Return what `bend` does of N samples (N, ...), one after the other."""
         out = np.empty((len(bends), STEPS + 1, len(self.friction)))
         towards = directions * (1.0 if levels is None else levels)
-        some = self._endless
+        some = self._yielding
         if len(some):
-            out[..., some] = _clipped_along(self.friction[some], bends[..., some],
+            out[..., some] = _clipped_along(self.friction[some], np.exp(-bends[..., some]),
                                             towards[..., some])
-        some, every = self._finite, bends.shape[1] // STEPS
+        some, every = self._sprung, bends.shape[1] // STEPS
         if len(some):
             friction = self.friction[some]
             for row, *steps in zip(out, directions[..., some], bends[..., some], repeat(None)
                                    if levels is None else levels[..., some]):
-                bent = _bent(self._turning_finite.after, friction, *steps)
+                bent = _bent(self._turning_sprung.after, friction, *steps)
                 row[:, some], friction = bent[::every], bent[-1]
         self.friction = out[-1, -1]
         return out
@@ -88,7 +89,7 @@ def _bent(after, friction, directions, bends, levels):
 
 def _clipped_along(friction, kept, towards):
     """
-    Return bend_along of powers that are infinite, of which `kept` is left of a way to a level.
+    Return bend_along of contacts that yield all the way; of a way to a level `kept` is left.
 
     Each step then is f -> clip(kept f + (1 - kept) towards), and all of a sample one such.
     """

@@ -28,7 +28,7 @@ SCHEMA = 'hand_load/torque_model/2'
 # Before it turned along the filtered one: the same parameters meant another torque.
 OLD_SCHEMA = 'hand_load/torque_model/1'
 # Shapes that files from before they were there have at their defaults.
-_NEWER = frozenset({'impact', 'exponent'})
+_NEWER = frozenset({'impact', 'exponent', 'plastic'})
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 
 
@@ -289,11 +289,14 @@ def _read_effects(section, robot, path):
 
 
 def _read_shape(entry, effect):
-    optional = not np.isfinite(list(effect.default_shape().values())).any()
-    if optional and not entry.has('shape'):
+    if not _needed(effect) and not entry.has('shape'):
         return {}, {}
     std = _numbers(entry.section('shape_std'), effect, 0.0, ()) if entry.has('shape_std') else {}
     return _numbers(entry.section('shape'), effect, 1e-9), std
+
+
+def _needed(effect):
+    return [s.name for s in effect.shapes if np.isfinite(s.default) and s.name not in _NEWER]
 
 
 def _numbers(section, effect, least, needed=None):
@@ -303,7 +306,7 @@ def _numbers(section, effect, least, needed=None):
     needed: names of those that must be; by default what has a finite value of its own.
     """
     if needed is None:
-        needed = [s.name for s in effect.shapes if np.isfinite(s.default) and s.name not in _NEWER]
+        needed = _needed(effect)
     values = {s.name: section.number(s.name, least) for s in effect.shapes
               if s.name in needed or section.has(s.name)}
     section.refuse_unknown()

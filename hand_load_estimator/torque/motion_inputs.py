@@ -7,6 +7,7 @@ from weakref import proxy
 import numpy as np
 
 from ..effects import EffectInput
+from ..effects.own_travel import BOTH
 from ..motion import Motion
 from ..robot import Robot
 from .columns import warmth_of
@@ -61,14 +62,14 @@ def known_motion(robot, motion):
     return motion.known[robot]
 
 
-def motion_input(robot, motion, distance, power=None, growth=None):
+def motion_input(robot, motion, distance, plastic=None, growth=None):
     """
     Return (EffectInput, doubt (N, n)) along a Motion.
 
-    distance (n,) [rad], power (n,): of presliding.Turning, infinite without any; growth: the
+    distance (n,) [rad], plastic (n,): of presliding.Turning, all the way without any; growth: the
     TravelGrowth of distances, None for none.
     """
-    own = distance, np.full(robot.n, np.inf) if power is None else power
+    own = distance, np.full(robot.n, BOTH) if plastic is None else plastic
     return next(motion_inputs(robot, [motion], [own], growth))[0]
 
 
@@ -76,7 +77,7 @@ def motion_inputs(robot, motions, ways, growth):
     """
     Yield the [(EffectInput, doubt)] of Motions, with friction turning in each of the ways.
 
-    ways: (distance, power) pairs as of motion_input, which are followed side by side; growth: as
+    ways: (distance, plastic) pairs as of motion_input, which are followed side by side; growth: as
     of motion_input.
     """
     known = [known_motion(robot, motion) for motion in motions]

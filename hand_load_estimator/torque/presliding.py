@@ -3,13 +3,17 @@ Presliding: what friction does before a joint has really moved.
 
 A joint that reverses does not flip its friction at once: the contacts bend first, and over a
 milliradian or two of travel friction goes from one Coulomb level to the other. Dahl's model
-(1968) of that, dz/dq = (1 - z sign(dq))^i / s, has a closed form along a motion of one direction.
-With i = 1 the level is approached for ever; with a smaller exponent, as measured curves ask for
-(Dahl 1976; Al-Bender et al. 2005), it is reached, along a power 1 / (1 - i) of the travel left.
-The state z in [-1, 1] is a function of the path alone, except for the value it started from.
+(1968) of that, dz/dq = (1 - z sign(dq)) / s, yields all the way. Elastoplastic contacts (Dupont et
+al. 2002) are a spring until friction is within a share p of the level, and yield from there on:
+dz/dq = k min(1 - z sign(dq), p) / s. Both have a closed form along a motion of one direction. k is
+such that a reversal takes the same work off friction whatever p is, 2 s times the level, so that a
+travel means the same for all of them. The state z in [-1, 1] is a function of the path alone,
+except for the value it started from.
 """
 
 import numpy as np
+
+from ..effects.own_travel import BOTH
 
 # A joint slower than this [rad/s] for longer than REST_TIME [s] is at rest: its drive may creep
 # and the contacts relax, so the friction it holds is not known any more. A speed above it while
@@ -31,33 +35,32 @@ STUCK_TIME = 1.0
 REST_GROWTH = 0.6
 
 
+
 class Turning:
     """
-    The way in which friction turns: what is left of the way to a level, of shapes that fit.
+    The way in which friction turns: what is left of the way to a level.
 
-    power: 1 / (1 - i) of Dahl's exponent i, infinite for i = 1 and at least 1, where friction
-    rises like a spring up to its level. endless: whether it is infinite everywhere.
+    plastic: p, the last of that way, in levels, over which contacts yield; from BOTH on they do
+    all the way (Dahl). yields: whether all of them do.
     """
 
-    def __init__(self, power):
-        self._finite = np.isfinite(power)
-        self._all, self.endless = self._finite.all(), not self._finite.any()
-        self._power = np.where(self._finite, power, 1.0)
-        self._root = 1.0 / self._power
+    def __init__(self, plastic):
+        self._plastic = np.minimum(plastic, BOTH)
+        self.yields = bool(np.all(self._plastic >= BOTH))
+        self._pace = (BOTH ** 2 + self._plastic ** 2) / (2.0 * BOTH * self._plastic)
 
     def bends(self, way):
         """Return what `after` takes of ways in travels: any number of them at once."""
-        if self.endless:
-            return np.exp(-way)
-        along = way * self._root
-        return along if self._all else np.where(self._finite, along, np.exp(-way))
+        return self._pace * way
 
     def after(self, left, bend):
         """Return what is left of `left` after the way of a bend."""
-        if self.endless:
-            return left * bend
-        along = np.maximum(left ** self._root - bend, 0.0) ** self._power
-        return along if self._all else np.where(self._finite, along, left * bend)
+        if self.yields:
+            return left * np.exp(-bend)
+        sprung = left - self._plastic * bend
+        yielding = np.maximum(bend - np.maximum(left / self._plastic - 1.0, 0.0), 0.0)
+        return np.where(sprung > self._plastic, sprung,
+                        np.minimum(left, self._plastic) * np.exp(-yielding))
 
     def turned(self, z, moved, distance):
         """Return the state that z becomes after ways [rad] of one direction; distance: s [rad]."""
@@ -88,13 +91,13 @@ class PreslidingState:
     """
     Follow z and the doubt about it along a motion that is planned, not measured.
 
-    distance (k,): travel s [rad] over which friction turns; power (k,): as of Turning. z (k,) in
+    distance (k,): travel s [rad] over which friction turns; plastic (k,): of Turning. z (k,) in
     [-1, 1]; doubt (k,): standard deviation of z, 1 when the path is forgotten. At rest it grows
     on, because the same unknown friction for a minute tells no more than for a second.
     """
 
-    def __init__(self, distance, power):
-        self._distance, self._turning = np.asarray(distance, dtype=float), Turning(power)
+    def __init__(self, distance, plastic):
+        self._distance, self._turning = np.asarray(distance, dtype=float), Turning(plastic)
         self._before = self._rests = None
         self.z, self.doubt = np.zeros(len(self._distance)), np.ones(len(self._distance))
 

@@ -79,9 +79,9 @@ class ShownPart:
 @dataclass(frozen=True, eq=False)
 class ShownAlong:
     """
-    shown(joints, travels, powers, *peak) of EffectInput along ShownParts, one after the other.
+    shown(joints, travels, plastic, *peak) of EffectInput along ShownParts, one after the other.
 
-    own: travels [rad] and powers [-] (n,) over which each joint's friction turns; an infinite
+    own: travels [rad] and plastic [-] (n,) over which each joint's friction turns; an infinite
     travel is that one. paths: the joints' friction of size one before the filter,
     (N, STEPS + 1, n) of each part. Arguments of a call as of Apart for (N, K), or plain numbers
     for (N,).
@@ -92,12 +92,12 @@ class ShownAlong:
     paths: tuple
 
     def __call__(self, *places):
-        joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
+        joints, travels, plastic, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
         apart = np.isfinite(travels)
         found = np.empty((sum(len(part.warmth) for part in self.parts), len(joints)))
         if apart.any():
             found[:, apart] = self._follow(Apart(
-                joints[apart], travels[apart], powers[apart],
+                joints[apart], travels[apart], plastic[apart],
                 tuple(figure[apart] for figure in peak)))
         if not apart.all():
             found[:, ~apart] = self._peaks(joints[~apart], [figure[~apart] for figure in peak])
@@ -165,21 +165,21 @@ def followed_together(parts, ways):
     """
     for start in range(0, len(ways), WAYS):
         some = ways[start:start + WAYS]
-        travels, powers = (np.array(own) for own in zip(*some))
+        travels, plastic = (np.array(own) for own in zip(*some))
         paths = lock_step(
             [(part.moved, part.seen.speeds) for part in parts],
-            lambda numbers, rows: _paths(len(numbers), travels, powers, rows))
+            lambda numbers, rows: _paths(len(numbers), travels, plastic, rows))
         n = travels.shape[1]
         for k, own in enumerate(some):
             yield [ShownAlong((part,), own, (path[..., k * n:(k + 1) * n],))
                    for part, path in zip(parts, paths)]
 
 
-def _paths(count, travels, powers, rows):
+def _paths(count, travels, plastic, rows):
     """Return friction (L, STEPS + 1, count * k n) of parts side by side, in k ways each."""
     k, n = travels.shape
     joints = np.tile(np.arange(count * n).reshape(count, 1, n), (1, k, 1)).ravel()
-    every = Apart(joints, np.tile(travels.ravel(), count), np.tile(powers.ravel(), count), ())
+    every = Apart(joints, np.tile(travels.ravel(), count), np.tile(plastic.ravel(), count), ())
     return np.concatenate(list(_bent(every, *rows)))
 
 

@@ -64,20 +64,20 @@ class Apart:
     """
     Friction of size one that turns over travels of its own, at K places.
 
-    joints (K,), some of them several times; travels (K,) [rad], powers (K,) of presliding.Turning;
-    peak: arguments (K,) of stribeck_curve.left behind the warmth, none where it does not fall. The
+    joints (K,), some of them several times; travels (K,) [rad], plastic (K,) of
+    presliding.Turning; peak: arguments (K,) of stribeck_curve.left behind the warmth, none where it does not fall. The
     contacts bend up to what is left of a peak: where that comes back, they have to bend again.
     """
 
     joints: np.ndarray
     travels: np.ndarray
-    powers: np.ndarray
+    plastic: np.ndarray
     peak: tuple
 
     def tiled(self, count, n):
         """Return the same of `count` arms of n joints side by side."""
         joints = np.concatenate([self.joints + k * n for k in range(count)])
-        return Apart(joints, np.tile(self.travels, count), np.tile(self.powers, count),
+        return Apart(joints, np.tile(self.travels, count), np.tile(self.plastic, count),
                      tuple(np.tile(figure, count) for figure in self.peak))
 
     def levels(self, speeds, warmth):
@@ -87,4 +87,4 @@ class Apart:
     def contacts(self, speeds, warmth):
         """Return the Contacts of joints that are first seen at speeds (STEPS + 1, K)."""
         first, levels = begun(speeds[1:]), self.levels(speeds[0], warmth)
-        return Contacts(self.travels, self.powers, first if levels is None else first * levels)
+        return Contacts(self.travels, self.plastic, first if levels is None else first * levels)

@@ -47,7 +47,7 @@ class ShownStream:
     """
     Friction sample by sample: of all joints, and of all places that are asked for.
 
-    own: travels [rad] and powers [-] (n,) over which each joint's friction turns; growth: the
+    own: travels [rad] and plastic [-] (n,) over which each joint's friction turns; growth: the
     TravelGrowth of these, None for none. After `at`: moved (STEPS, n) [rad], the joints' ways
     within the sample, as short as they would be at the reference temperature; z (n,), and at_once
     (n,): what z would be of contacts that turn at once.
@@ -63,7 +63,7 @@ class ShownStream:
 
     def at(self, course, dt, warmth, messages):
         """
-        Return shown(joints, travels, powers, *peak) of EffectInput after a course (2, STEPS, n).
+        Return shown(joints, travels, plastic, *peak) of EffectInput after a course (2, STEPS, n).
 
         dt [s] long, of so many messages; warmth (n,) [K].
         """
@@ -97,11 +97,11 @@ class ShownStream:
     @staticmethod
     def _followed(places):
         """Return (rows (K,), what follows them) of places apart and others, or joints: z's."""
-        joints, travels, powers, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
+        joints, travels, plastic, *peak = np.broadcast_arrays(*map(np.atleast_1d, places))
         apart, out = np.isfinite(travels), []
         if apart.any():
             out.append((apart, _ApartStream(Apart(
-                joints[apart], travels[apart], powers[apart],
+                joints[apart], travels[apart], plastic[apart],
                 tuple(figure[apart] for figure in peak)))))
         if not apart.all():
             rest = ~apart

@@ -108,13 +108,13 @@ class Residual:
         late = self.reported({j: columns[:, j] for j in self.delays})
         return np.stack([late.get(j, columns[:, j]) for j in range(columns.shape[1])], axis=1)
 
-    def friction_state(self, distance, power):
-        """Return z (N, n) for a presliding travel [rad] and its power, of all joints."""
-        self.follow_friction(((distance, power),))
-        return self._paths[distance, power]
+    def friction_state(self, distance, plastic):
+        """Return z (N, n) of all joints for a travel [rad] and `plastic` of presliding.Turning."""
+        self.follow_friction(((distance, plastic),))
+        return self._paths[distance, plastic]
 
     def follow_friction(self, ways):
-        """Follow the friction state for (travel [rad], power) pairs at once, unless known."""
+        """Follow the friction state for (travel [rad], plastic) pairs at once, unless known."""
         ways = [way for way in ways if way not in self._paths]
         n = self.residual.shape[1]
         if not ways:
@@ -166,7 +166,7 @@ def find_residual(model, evidence, cut=True):
     """
     root = uncertain_directions(model, DIRECTIONS, 0)
     inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
-                                [(model.presliding_distance(), model.presliding_power())],
+                                [(model.presliding_distance(), model.presliding_plastic())],
                                 model.travel_growth()))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...effects import EFFECTS, LATE
 from ...effects.knee import KNEE, shows
-from ...effects.own_travel import OWN_TRAVEL, POWER
+from ...effects.own_travel import BOTH, OWN_TRAVEL, PLASTIC
 from ...effects.stribeck_friction import VELOCITY_RANGE
 from ...identification.identify import prior
 from ..diagnosis import UNKNOWN
@@ -20,10 +20,10 @@ from .ripple import likely_periods
 
 # Presliding may reach much further than a healthy gear's.
 PRESLIDING_DISTANCES = (5e-4, 1e-3, 2e-3, 4e-3, 8e-3, 0.016, 0.032, 0.064, 0.13, 0.26)
-# And its curve reach the level sooner than Dahl's, which never does (presliding.Turning).
-PRESLIDING_POWERS = (np.inf, 2.0)
-# The travel that goes with another power is so many times longer, or shorter, than with this.
-WITH_ANOTHER_POWER = (0.6, 0.8, 1.0, 1.25, 1.6)
+# And its contacts be springs for most of the way (presliding.Turning).
+PLASTICS = (BOTH, 0.5)
+# The travel that goes with other contacts is so many times longer, or shorter, than with these.
+WITH_OTHERS = (0.8, 1.0, 1.25)
 # Friction of an effect may turn over a travel of its own.
 OWN_TRAVELS = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
 # Large ones tell more of their curves than the plainest: how a Stribeck peak falls (measured:
@@ -65,7 +65,7 @@ def _late(found, residual):
 
 
 def _of_joint(model, residual, blocks, warmed, j, done):
-    residual.follow_friction(list(product(PRESLIDING_DISTANCES, PRESLIDING_POWERS)))
+    residual.follow_friction(list(product(PRESLIDING_DISTANCES, PLASTICS)))
     for name, effect in EFFECTS.items():
         if effect.whole_arm or effect.learned or (name, j, '') in done \
                 or not _seen(model, effect, j) or not _often(residual, name):
@@ -170,18 +170,18 @@ def _columns(model, effect, x, j, shapes):
 
 def _presliding(model, residual, j, scale):
     """Yield hypotheses of another travel: the change of the friction state times a level."""
-    now, bent = model.presliding_distance()[j], model.presliding_power()[j]
-    for power, distance in product(PRESLIDING_POWERS, PRESLIDING_DISTANCES):
-        if abs(np.log(distance / now)) < 0.3 and np.isfinite(power) == np.isfinite(bent):
+    now, bent = model.presliding_distance()[j], model.presliding_plastic()[j]
+    for plastic, distance in product(PLASTICS, PRESLIDING_DISTANCES):
+        if abs(np.log(distance / now)) < 0.3 and (plastic == BOTH) == (bent == BOTH):
             continue
         yield Hypothesis('presliding_hysteresis', j,
-                         {j: _turning(residual, j, distance, power) * scale}, scale,
-                         {'presliding_distance': distance, 'power': power})
+                         {j: _turning(residual, j, distance, plastic) * scale}, scale,
+                         {'presliding_distance': distance, 'plastic': plastic})
 
 
-def _turning(residual, j, distance, power):
+def _turning(residual, j, distance, plastic):
     """Return the column (N, 1): change of joint j's friction state by another way of turning."""
-    return (residual.friction_state(distance, power)[:, j] - residual.x.z[:, j])[:, None]
+    return (residual.friction_state(distance, plastic)[:, j] - residual.x.z[:, j])[:, None]
 
 
 def reshaped(hypothesis, factors, model, residual):
@@ -213,7 +213,7 @@ def _of_shapes(hypothesis, shapes, model, residual):
                 EFFECTS[hypothesis.name], residual.x, joints, shape).items()})
             for shape in shapes]
     if hypothesis.name == 'presliding_hysteresis':
-        ways = [(shape['presliding_distance'], shape['power']) for shape in shapes]
+        ways = [(shape['presliding_distance'], shape['plastic']) for shape in shapes]
         residual.follow_friction(dict.fromkeys(ways))
         columns = [_turning(residual, j, *way) for way in ways]
     else:
@@ -244,12 +244,12 @@ def released(hypothesis, model, residual, warmed):
     From there on it is searched with all others; a list of one, or of none. warmed: as of
     other_forms.
     """
-    figures = {**FORMS.get(hypothesis.name, {}), POWER.name: PRESLIDING_POWERS}
+    figures = {**FORMS.get(hypothesis.name, {}), PLASTIC.name: PLASTICS}
     if not warmed:
         figures.pop(VELOCITY_RANGE.name, None)
     if not np.isfinite(hypothesis.shape.get(OWN_TRAVEL.name, 0.0)):
         # Of a travel that is not there.
-        figures.pop(POWER.name)
+        figures.pop(PLASTIC.name)
     free = {name: _a_little_off(*values[:2]) for name, values in figures.items()
             if hypothesis.shape.get(name) == values[0]}
     return of_shapes(hypothesis, [hypothesis.shape | free], model, residual) if free else []
@@ -264,13 +264,13 @@ def other_ways(hypothesis, model, residual):
     """Return the Hypotheses that differ from one of `turns` in how friction turns."""
     if hypothesis.name == 'presliding_hysteresis':
         travel = hypothesis.shape['presliding_distance']
-        ways = [{'presliding_distance': travel * factor, 'power': power}
-                for power in PRESLIDING_POWERS if power != hypothesis.shape['power']
-                for factor in WITH_ANOTHER_POWER]
+        ways = [{'presliding_distance': travel * factor, 'plastic': plastic}
+                for plastic in PLASTICS if plastic != hypothesis.shape['plastic']
+                for factor in WITH_OTHERS]
     else:
-        powers = PRESLIDING_POWERS if 'power' in hypothesis.shape else (np.inf,)
-        ways = [{name: value for name, value in (('travel', travel), ('power', power))
-                 if name in hypothesis.shape} for travel, power in product(OWN_TRAVELS, powers)]
+        ways = [{name: value for name, value in (('travel', travel), (PLASTIC.name, plastic))
+                 if name in hypothesis.shape} for travel, plastic in product(
+                     OWN_TRAVELS, PLASTICS if PLASTIC.name in hypothesis.shape else (BOTH,))]
     bounded = EFFECTS[hypothesis.name].bounded
     return of_shapes(hypothesis, [bounded(hypothesis.shape | way) for way in ways], model,
                      residual)
