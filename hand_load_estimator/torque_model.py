@@ -16,7 +16,7 @@ from .torque.columns import (ColumnLayout, effect_slices, first_of_joints, presl
                              presliding_plastics, tilt_along, torque_columns, warmth_of)
 from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
-from .torque.travel_growth import friction_level, travel_growth
+from .torque.contact_level import friction_level, contact_level
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3
@@ -95,9 +95,9 @@ class TorqueModel:
         """Return of which last of the way between two levels (n,) each joint's contacts yield."""
         return presliding_plastics(self.robot.n, self.uses)
 
-    def travel_growth(self):
-        """Return the TravelGrowth of these travels, None where they are the same at any warmth."""
-        return travel_growth(self.robot, self.uses, self.mean)
+    def contact_level(self):
+        """Return the ContactLevel of these travels, None where they are the same at any warmth."""
+        return contact_level(self.robot, self.uses, self.mean)
 
     def friction_level(self):
         """Return the largest sliding friction (n,) [Nm] at low speed, reference temperature."""

@@ -14,7 +14,7 @@ from hand_load_estimator.residual.diagnosis import CONFIRMED
 from hand_load_estimator.torque.columns import (ColumnLayout, play_columns, presliding_distances,
                                                 torque_columns)
 from hand_load_estimator.torque.motion_inputs import motion_input
-from hand_load_estimator.torque.travel_growth import travel_growth
+from hand_load_estimator.torque.contact_level import contact_level
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 RUNS, SECONDS = 4, 16.0
@@ -57,7 +57,7 @@ def clean_runs(seconds, names=None, celsius=(15.0, 35.0)):
         uses = effect_uses(robot)
         truth = true_parameters(robot, uses)
         x, _ = motion_input(robot, motion, presliding_distances(robot.n, uses),
-                            growth=travel_growth(robot, uses, truth))
+                            level=contact_level(robot, uses, truth))
         torque = torque_columns(robot, ColumnLayout(robot.n, uses), x) @ truth
         runs.append((x, motion, torque))
     return runs
@@ -186,7 +186,7 @@ def stretched(run):
 
 def turned_late(run):
     """Friction that turns over a long way, and then is at its level."""
-    return run.x.shown(np.arange(run.robot.n), 0.02, 2.0) - run.x.z
+    return run.x.shown(np.arange(run.robot.n), 0.02, 0.8) - run.x.z
 
 
 def peak(run):

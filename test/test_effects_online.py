@@ -49,7 +49,7 @@ def along(model, samples):
     motion = Motion(*(np.array([getattr(s, name) for s in samples])
                       for name in Motion.__dataclass_fields__))
     x, _ = motion_input(model.robot, motion, model.presliding_distance(),
-                        growth=model.travel_growth())
+                        level=model.contact_level())
     held = model.robot.load_columns(shown_links(model.robot, motion)) @ LOAD.to_products()
     return motion, x, held
 

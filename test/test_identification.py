@@ -25,7 +25,7 @@ from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, Eff
                                                 torque_columns)
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.motion_inputs import motion_input
-from hand_load_estimator.torque.travel_growth import travel_growth
+from hand_load_estimator.torque.contact_level import contact_level
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',
@@ -59,7 +59,7 @@ class Made:
             motion = waves(robot, rng, seconds, 15.0 + 20.0 * (k % 2))
             layout = ColumnLayout(robot.n, self.uses)
             x, _ = motion_input(robot, motion, distance, turning,
-                                travel_growth(robot, self.uses, self.x))
+                                contact_level(robot, self.uses, self.x))
             columns = torque_columns(robot, layout, x)
             noise = rng.normal(size=motion.q.shape) * np.sqrt(self.density / DT)
             self.evidence.append(Evidence(f'run {k}', motion, columns @ self.x + noise))
@@ -386,7 +386,7 @@ def test_the_density_is_that_of_the_noise_however_little_is_recorded(recordings,
     made = Made(robot, recordings=recordings, seconds=seconds)
     for model in (identify(robot, made.evidence, NAMES), remade(robot, made)):
         ratio = model.residuals.intensity / made.density
-        assert (ratio > 0.8).all() and (ratio < 1.45).all()
+        assert (ratio > 0.8).all() and (ratio < 1.6).all()
 
 
 def test_what_recordings_left_out_show_is_stated(monkeypatch):

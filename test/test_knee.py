@@ -54,7 +54,7 @@ def recorded(knee, fall, name=COULOMB):
     distance = presliding_distances(model.robot.n, model.uses)
     for celsius in CELSIUS:
         motion = waves(model.robot, rng, SECONDS, celsius)
-        x, _ = motion_input(model.robot, motion, distance, growth=model.travel_growth())
+        x, _ = motion_input(model.robot, motion, distance, level=model.contact_level())
         torque = torque_columns(model.robot, model.layout, x) @ model.mean
         out.append(Evidence(f'at {celsius:g}', motion,
                             torque + rng.normal(size=torque.shape) * model.noise))

@@ -75,7 +75,8 @@ def test_figures_at_their_defaults_are_released_to_be_searched(peaked):
     assert figures(cold) == {'stribeck_velocity', 'exponent'}
     (own,) = of_shapes(plain, [plain.shape | {'travel': 1e-3}], model, residual)
     (free,) = released(own, model, residual, True)
-    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range', 'travel', 'plastic'}
+    assert figures(free) == {'stribeck_velocity', 'exponent', 'velocity_range', 'travel',
+                             'plastic'}
     assert released(free, model, residual, True) == []
 
 

@@ -141,7 +141,7 @@ def of_motion(name, q, v, a, seed):
     motion = Motion(t, np.full(len(q), DT), q, v, a, np.zeros_like(q), np.full(q.shape, 25.0),
                     np.full(len(q), 10))
     x, _ = motion_input(model.robot, motion, model.presliding_distance(),
-                        growth=model.travel_growth())
+                        level=model.contact_level())
     torque = torque_columns(model.robot, model.layout, x) @ model.mean
     torque = torque + on(2, 4.0, cable)(Hidden(model.robot, x, motion, torque))
     return Evidence(name, motion, torque + rng.normal(size=(len(q), n)) * noise_of(model.robot))

@@ -99,7 +99,8 @@ def turning(effect):
     (turned_late, 'presliding_hysteresis', {'presliding_distance': 0.02, 'plastic': 0.8}),
     (peak, 'stribeck_friction', {'travel': 2e-3, 'stribeck_velocity': 0.1, 'exponent': 1.0,
                                  'velocity_range': np.inf, 'plastic': 2.0}),
-    (narrow_peak, 'stribeck_friction', {'travel': 2e-3, 'stribeck_velocity': 0.1, 'exponent': 1.8,
+    # Of contacts of its own hardly told from the joint's, bent further.
+    (narrow_peak, 'stribeck_friction', {'stribeck_velocity': 0.1, 'exponent': 1.8,
                                         'velocity_range': 30.0})])
 def test_the_way_in_which_friction_turns_is_found(effect, name, shape):
     diagnosis, better = turning(effect)

@@ -32,7 +32,8 @@ def contacts(q, v):
     out = np.zeros(len(q))
     for k in range(1, len(q)):
         level = np.exp(-abs(v[k]) / VELOCITY)
-        out[k] = level * Turning(PLASTIC).turned(out[k - 1] / level, q[k] - q[k - 1], level * TRAVEL)
+        way = q[k] - q[k - 1]
+        out[k] = level * Turning(PLASTIC).turned(out[k - 1] / level, way, level * TRAVEL)
     return out
 
 
@@ -138,7 +139,8 @@ def test_the_motion_before_a_filter_that_was_not_there(swing):
 @pytest.mark.parametrize('plastic', [BOTH, PLASTIC, np.array([PLASTIC, BOTH])])
 def test_a_stream_is_as_the_whole(swing, plastic):
     motion = seen(swing)
-    places = np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), plastic, np.array([VELOCITY, np.inf])
+    places = (np.array([0, 0]), np.array([TRAVEL, 3 * TRAVEL]), plastic,
+              np.array([VELOCITY, np.inf]))
     stream = ShownStream(WAY)
     online = np.array([stream.at(*row, 0)(*places)[0] for row in zip(*motion)])
     np.testing.assert_allclose(online, shown_along(*motion, WAY)(*places), atol=1e-12)

@@ -47,7 +47,7 @@ def test_it_settles_from_beside_where_it_is(monkeypatch, plastic, first):
         assert found[j] == (0.022, first), 'of a joint that was not asked for nothing changes'
     for j in (1, 3):
         assert found[j][0] == pytest.approx(0.02, rel=0.03)
-        np.testing.assert_allclose(reversal(*found[j]), reversal(0.02, plastic), atol=0.02)
+        np.testing.assert_allclose(reversal(*found[j]), reversal(0.02, plastic), atol=0.04)
 
 
 def test_a_joint_without_presliding_has_none_to_settle():

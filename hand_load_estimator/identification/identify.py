@@ -118,7 +118,7 @@ def identify(robot, evidence, effects=None, progress=lambda text: None, drifting
     searched = uses
     for _ in range(SETTLING):
         uses, x, _ = with_knees_fitted(system, uses, searched, mean, covariance, weights)
-        if system.travels_hold(uses, x):
+        if system.levels_hold(uses, x):
             break
         system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)

@@ -11,7 +11,7 @@ from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, presl
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.motion_inputs import known_motion, motion_inputs
 from ..torque.presliding import stuck_density
-from ..torque.travel_growth import travel_growth
+from ..torque.contact_level import contact_level
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
 
@@ -36,9 +36,9 @@ class System:
     def __init__(self, robot, uses, evidence, mean, inputs=None):
         self.robot = robot
         layout = ColumnLayout(robot.n, uses)
-        self._growth = travel_growth(robot, uses, mean)
+        self._level = contact_level(robot, uses, mean)
         inputs = inputs or next(motion_inputs(
-            robot, [e.motion for e in evidence], [ways_to_turn(robot.n, uses)], self._growth))
+            robot, [e.motion for e in evidence], [ways_to_turn(robot.n, uses)], self._level))
         self._inputs = [x for x, _ in inputs]
         self.columns = np.concatenate([
             torque_columns(robot, layout, x, mean, e.motion.dt, e.load,
@@ -80,12 +80,13 @@ class System:
         """Write the columns of such an effect anew; where: its slice of x."""
         self.columns[:, use.joint, where] = self.columns_of(use)
 
-    def travels_hold(self, uses, x):
-        """Tell whether travels go with temperature as x (P,) of uses says, or nearly so."""
+    def levels_hold(self, uses, x):
+        """Tell whether contacts bend up to levels as x (P,) of uses says, or nearly so."""
         warmth = np.concatenate([inputs.warmth for inputs in self._inputs])
-        own, other = (1.0 if growth is None else growth(warmth) for growth in (
-            self._growth, travel_growth(self.robot, uses, x)))
-        return bool(np.abs(other / own - 1.0).max() < ALIKE)
+        own, other = ((1.0, 0.0) if level is None else (level.warmed(warmth), level.share)
+                      for level in (self._level, contact_level(self.robot, uses, x)))
+        return bool(np.abs(other[0] / own[0] - 1.0).max() < ALIKE
+                    and np.abs(other[1] - own[1]).max() < ALIKE)
 
     def with_more(self, columns):
         """Return a System with columns (N, n, k) behind its own."""

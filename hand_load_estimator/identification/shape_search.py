@@ -8,7 +8,7 @@ import numpy as np
 from ..effects import EFFECTS, PRESLIDING
 from ..torque.columns import effect_slices
 from ..torque.motion_inputs import motion_inputs
-from ..torque.travel_growth import travel_growth
+from ..torque.contact_level import contact_level
 from .regression_system import System, ways_to_turn
 
 TRAVEL = 'presliding_distance'
@@ -84,7 +84,7 @@ def _systems(robot, uses, tried, evidence, x, name):
     """
     ways = [ways_to_turn(robot.n, trial) for trial in (tried if name == PRESLIDING else [uses])]
     inputs = motion_inputs(robot, [e.motion for e in evidence], ways,
-                           travel_growth(robot, uses, x))
+                           contact_level(robot, uses, x))
     if name == PRESLIDING:
         for trial, given in zip(tried, inputs):
             yield trial, System(robot, trial, evidence, x, given)
@@ -116,8 +116,14 @@ def _shapes_of(uses):
 
 
 def joint_costs(uses, system, x, weights, joints):
+    """Yield the sum of squares of joint_residuals."""
+    for left in joint_residuals(uses, system, x, weights, joints):
+        yield float(np.sum(left ** 2))
+
+
+def joint_residuals(uses, system, x, weights, joints):
     """
-    Yield the weighted squared residual of each of joints with its own effects refitted.
+    Yield the weighted residual (N,) of each of joints with its own effects refitted.
 
     system: of uses; x (P,): of all else; weights (N, n).
     """
@@ -125,7 +131,7 @@ def joint_costs(uses, system, x, weights, joints):
     for j in joints:
         own = [w for u, w in effect_slices(n, uses) if u.joint == j]
         if not own:
-            yield 0.0
+            yield np.zeros(len(weights))
             continue
         index = np.concatenate([np.arange(w.start, w.stop) for w in own])
         y = system.columns[:, j, :]
@@ -136,4 +142,4 @@ def joint_costs(uses, system, x, weights, joints):
         matrix = y[:, index] * root[:, None]
         scale = np.linalg.norm(matrix, axis=0) + 1e-12
         solution, *_ = np.linalg.lstsq(matrix / scale, target * root, rcond=1e-8)
-        yield float(np.sum((target * root - matrix / scale @ solution) ** 2))
+        yield target * root - matrix / scale @ solution

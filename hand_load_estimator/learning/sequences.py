@@ -202,9 +202,11 @@ def _inputs(model, motion, course, warmth, dt):
     """Return (EffectInput, doubt (N, n)) along both motions; warmth (N, n) [K], dt (N,) [s]."""
     n, half = model.robot.n, len(dt) // 2
     own = model.presliding_distance(), model.presliding_plastic()
-    # Friction is drawn at the reference temperature (_friction_and_noise): its travels stay.
-    parts = tuple(ShownPart(SeenCourse(course[rows], dt[rows], np.full(half, EVERY)), warmth[rows])
-                  for rows in (slice(half), slice(half, None)))
+    level = model.contact_level()
+    # Friction is drawn at the reference temperature (_friction_and_noise).
+    level = level and replace(level, slope=np.zeros(n))
+    parts = tuple(ShownPart(SeenCourse(course[rows], dt[rows], np.full(half, EVERY)), warmth[rows],
+                            level) for rows in (slice(half), slice(half, None)))
     shown = shown_as_one(next(followed_together(parts, [own])))
     x = EffectInput(*motion, warmth, shown.z, shown=_remembered(shown),
                     at_once=np.concatenate([part.seen.at_once for part in parts]))

@@ -30,7 +30,8 @@ class FrictionTruth:
     coulomb, breakaway [Nm] (the part that fades with speed); turning [Nm]: what turns more than
     all of it does; viscous [Nm s/rad]; stribeck_velocity [rad/s] and stribeck_exponent [-];
     distance [rad] and plastic of presliding.Turning; beside: share of the level that is on the way
-    between two levels, beside that; start: friction state at rest, beyond 1 where static friction exceeds sliding.
+    between two levels, beside that; start: friction state at rest, beyond 1 where static friction
+    exceeds sliding.
     """
 
     coulomb: np.ndarray
@@ -70,11 +71,14 @@ def friction_state(rng, q, v, dt, truth):
     v (N, n) [rad/s]; dt [s] of a row. Once it rests the contacts relax towards a
     random value (creep, a brake, a drive's dither).
     """
-    z, turning = np.empty_like(q), Turning(truth.plastic)
+    z, turning, levels = np.empty_like(q), Turning(truth.plastic), _levels(v, truth)
+    levels = levels / _levels(np.zeros(q.shape[1]), truth)
     state, rested = truth.start.copy(), np.zeros(q.shape[1])
     for k in range(len(q)):
-        step = q[k] - q[k - 1] if k else np.zeros(q.shape[1])
-        state = turning.turned(state, step, truth.distance)
+        if k:
+            # What the contacts bear stays, when the level goes up or down.
+            state = turning.turned(state * levels[k - 1] / levels[k], q[k] - q[k - 1],
+                                   levels[k] * truth.distance)
         before, rested = rested, np.where(np.abs(v[k]) < REST_SPEED, rested + dt, 0.0)
         if np.any(came := (rested > REST_TIME) & (before <= REST_TIME)):
             relaxed = rng.uniform(-1.1, 1.1, len(state))
@@ -84,12 +88,16 @@ def friction_state(rng, q, v, dt, truth):
     return z
 
 
+def _levels(v, truth):
+    """Return what friction slides at (N, n) [Nm], never nothing."""
+    fade = left(v, 0.0, truth.stribeck_velocity, truth.stribeck_exponent)
+    return np.maximum(truth.coulomb + truth.breakaway * fade, 1e-9)
+
+
 def friction_torque(z, v, truth):
     """Return the true friction (N, n) [Nm] at the reference temperature."""
-    fade = left(v, 0.0, truth.stribeck_velocity, truth.stribeck_exponent)
-    level = truth.coulomb + truth.breakaway * fade
     turned = z + truth.beside * np.maximum(1.0 - z * z, 0.0)
-    return turned * level + truth.viscous * v + truth.turning * (z - sign_of(v))
+    return turned * _levels(v, truth) + truth.viscous * v + truth.turning * (z - sign_of(v))
 
 
 def smooth_curve(rng, x, scale):

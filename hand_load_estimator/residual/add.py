@@ -13,7 +13,7 @@ from ..identification.load_agreement import share_left_out
 from ..identification.regression_system import held_out, System
 from ..identification.residual_noise import (known_joints, rmse_of, sliding_left,
                                              with_usual_drift)
-from ..identification.turning_fit import with_turning_fitted
+from ..identification.turning_fit import PEAK, with_turning_fitted
 from ..torque.columns import ColumnLayout, effect_slices
 from ..torque.sliding import moved_joints
 from ..torque_model import TorqueModel
@@ -76,7 +76,8 @@ def identified_again(model, uses, evidence, changed=frozenset(), together=frozen
     known = np.isfinite(np.concatenate([e.motion.temperature for e in evidence])).any(axis=0)
     mean, covariance = _prior(model, uses, changed, own, (moved_joints(evidence), known))
     links = _links_declared(model, changed)
-    turning = sorted(joint for name, joint in changed if name == PRESLIDING)
+    turning = tuple(sorted({joint for name, joint in changed if name in names})
+                    for names in ((PRESLIDING, PEAK), (PEAK,)))
     return _identified(model, (uses, links, together, turning), (mean, covariance), evidence, own)
 
 
@@ -185,7 +186,7 @@ def _identified(model, declared, before, evidence, own):
     system, torque_bound = None, ColumnLayout(robot.n, uses).needs
     for turn in range(TURNS):
         # Only effects that depend on torques change their columns with x, and travels all.
-        if system is None or torque_bound or not system.travels_hold(uses, x):
+        if system is None or torque_bound or not system.levels_hold(uses, x):
             system = System(robot, uses, evidence, x)
         weights = system.weights(intensity, friction)
         uses, x, posterior = with_knees_fitted(system.with_drift(drift), uses, known, mean,
@@ -198,8 +199,9 @@ def _identified(model, declared, before, evidence, own):
             drift = np.maximum(drift, residuals.drift)
             intensity = np.maximum(intensity, _still_stated(residuals, moved)
                                    * residuals.intensity)
-        if turn == 0 and turning:
-            uses, system = with_turning_fitted(system, uses, evidence, x, intensity, turning), None
+        if turn == 0 and turning[0]:
+            uses, system = with_turning_fitted(system, uses, evidence, x, intensity,
+                                               *turning), None
         if turn < TURNS - 1:
             uses, x = _with_whole_delays(robot.n, uses, together, x, posterior)
             mean, covariance = _of_shifts(*before, robot.n, asked, uses)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..effects import EFFECTS, LATE, LINK_INERTIA, PRESLIDING
 from ..effects.knee import KNEE
+from ..identification.turning_fit import PEAK
 from .change_of import change_covariance
 from .diagnosis import Alternative, CONFIRMED, Evidence, Finding, SUSPECTED, UNKNOWN
 from .doubts.limits import LEAST_WARMING
@@ -288,10 +289,10 @@ def _of_effect(model, better, hypothesis, searched):
         out |= _derived(effect, use.shape, mean, covariance)
     # A knee is estimated with the parameters, any other shape was searched: now, or once before.
     std = {**use.shape_std, **searched.std}
-    if hypothesis.name == PRESLIDING:
-        # It has settled beside everything else since then (turning_fit.py).
+    if hypothesis.name in (PRESLIDING, PEAK):
+        # They have settled beside everything else since then (turning_fit.py).
         std = {name: np.hypot(value, use.shape[name] - hypothesis.shape[name])
-               for name, value in std.items()}
+               for name, value in std.items() if name in use.told_shape}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 

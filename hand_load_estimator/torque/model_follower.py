@@ -70,7 +70,7 @@ class ModelFollower:
     def __init__(self, model, directions=12, seed=0, measured=True):
         self.model = model
         distance = model.presliding_distance()
-        self._shown = ShownStream((distance, model.presliding_plastic()), model.travel_growth())
+        self._shown = ShownStream((distance, model.presliding_plastic()), model.contact_level())
         self._start = StartDoubt(distance)
         self._friction = model.held_friction()
         # Whatever varies there is noise, at rest too; but what does not vary is no less wrong.

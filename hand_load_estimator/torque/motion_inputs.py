@@ -62,26 +62,26 @@ def known_motion(robot, motion):
     return motion.known[robot]
 
 
-def motion_input(robot, motion, distance, plastic=None, growth=None):
+def motion_input(robot, motion, distance, plastic=None, level=None):
     """
     Return (EffectInput, doubt (N, n)) along a Motion.
 
-    distance (n,) [rad], plastic (n,): of presliding.Turning, all the way without any; growth: the
-    TravelGrowth of distances, None for none.
+    distance (n,) [rad], plastic (n,): of presliding.Turning, all the way without any; level: the
+    ContactLevel of the joints, None for none.
     """
     own = distance, np.full(robot.n, BOTH) if plastic is None else plastic
-    return next(motion_inputs(robot, [motion], [own], growth))[0]
+    return next(motion_inputs(robot, [motion], [own], level))[0]
 
 
-def motion_inputs(robot, motions, ways, growth):
+def motion_inputs(robot, motions, ways, level):
     """
     Yield the [(EffectInput, doubt)] of Motions, with friction turning in each of the ways.
 
-    ways: (distance, plastic) pairs as of motion_input, which are followed side by side; growth: as
+    ways: (distance, plastic) pairs as of motion_input, which are followed side by side; level: as
     of motion_input.
     """
     known = [known_motion(robot, motion) for motion in motions]
     followed = followed_together(
-        [ShownPart(motion.seen, motion.warmth, growth) for motion in known], ways)
+        [ShownPart(motion.seen, motion.warmth, level) for motion in known], ways)
     for shown in followed:
         yield [motion.input(own) for motion, own in zip(known, shown)]

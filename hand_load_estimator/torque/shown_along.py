@@ -7,10 +7,11 @@ import numpy as np
 
 from ..course import Ways
 from ..effects.stribeck_curve import left
+from .contacts import Contacts
 from .lock_step import lock_step
 from .shown_filter import filtered_along
 from .shown_friction import Apart, begun, directions
-from .travel_growth import TravelGrowth
+from .contact_level import ContactLevel
 
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
@@ -63,17 +64,24 @@ class SeenCourse:
 
 @dataclass(frozen=True, eq=False)
 class ShownPart:
-    """A SeenCourse, its warmth (N, n) [K], and the TravelGrowth of its joints, None for none."""
+    """A SeenCourse, its warmth (N, n) [K], and the ContactLevel of its joints, None for none."""
 
     seen: SeenCourse
     warmth: np.ndarray
-    growth: TravelGrowth | None = None
+    level: ContactLevel | None = None
+
+    @cached_property
+    def levels(self):
+        """Return what speeds leave of the joints' levels (N, STEPS + 1, n), None for all."""
+        if self.level is None:
+            return None
+        return self.level.fallen(self.seen.speeds, self.warmth[:, None])
 
     @cached_property
     def moved(self):
         """Ways (N, STEPS, n) [rad], as short as they would be at the reference temperature."""
         ways = self.seen.ways
-        return ways if self.growth is None else ways / self.growth(self.warmth)[:, None]
+        return ways if self.level is None else ways / self.level.warmed(self.warmth)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,19 +135,21 @@ class ShownAlong:
             lambda numbers, rows: _filtered(places.tiled(len(numbers), n), *rows)))
 
 
-def _bent(places, moved, speeds, warmth=None):
+def _bent(places, moved, speeds, warmth):
     """
     Yield the friction (ROWS, STEPS + 1, K) of Apart before the filter.
 
-    moved (L, STEPS, n), speeds (L, STEPS + 1, n), warmth (L, 1, n), which only peaks want.
+    moved (L, STEPS, n), speeds (L, STEPS + 1, n), warmth (L, 1, n).
     """
     joints = places.joints
-    warmth = np.zeros((len(moved), 1, moved.shape[2])) if warmth is None else warmth
     contacts = places.contacts(speeds[0][:, joints], warmth[0, 0, joints])
-    for start in range(0, len(moved), ROWS):
-        some = slice(start, start + ROWS)
+    for some in _slices(len(moved)):
         levels = places.levels(speeds[some][..., joints], warmth[some][..., joints])
         yield contacts.bend_along(*contacts.ways(moved[some][..., joints], levels))
+
+
+def _slices(length):
+    return [slice(start, start + ROWS) for start in range(0, length, ROWS)]
 
 
 def _filtered(places, *rows):
@@ -167,20 +177,32 @@ def followed_together(parts, ways):
         some = ways[start:start + WAYS]
         travels, plastic = (np.array(own) for own in zip(*some))
         paths = lock_step(
-            [(part.moved, part.seen.speeds) for part in parts],
-            lambda numbers, rows: _paths(len(numbers), travels, plastic, rows))
+            [(part.moved, part.seen.speeds, *([] if part.levels is None else [part.levels]))
+             for part in parts],
+            lambda numbers, rows: _paths(len(numbers), travels, plastic, *rows))
         n = travels.shape[1]
         for k, own in enumerate(some):
             yield [ShownAlong((part,), own, (path[..., k * n:(k + 1) * n],))
                    for part, path in zip(parts, paths)]
 
 
-def _paths(count, travels, plastic, rows):
-    """Return friction (L, STEPS + 1, count * k n) of parts side by side, in k ways each."""
+def _paths(count, travels, plastic, moved, speeds, levels=None):
+    """
+    Return friction (L, STEPS + 1, count * k n) of parts side by side, in k ways each.
+
+    In times its level, of those (L, STEPS + 1, n) that it bends up to.
+    """
     k, n = travels.shape
     joints = np.tile(np.arange(count * n).reshape(count, 1, n), (1, k, 1)).ravel()
-    every = Apart(joints, np.tile(travels.ravel(), count), np.tile(plastic.ravel(), count), ())
-    return np.concatenate(list(_bent(every, *rows)))
+    first = begun(speeds[0, 1:])[joints]
+    contacts = Contacts(*(np.tile(each.ravel(), count) for each in (travels, plastic)),
+                        first if levels is None else first * levels[0, 0, joints])
+    out = []
+    for some in _slices(len(moved)):
+        own = None if levels is None else levels[some][..., joints]
+        bent = contacts.bend_along(*contacts.ways(moved[some][..., joints], own))
+        out.append(bent if own is None else bent / own)
+    return np.concatenate(out)
 
 
 def shown_as_one(shown):

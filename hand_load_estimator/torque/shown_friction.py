@@ -65,8 +65,9 @@ class Apart:
     Friction of size one that turns over travels of its own, at K places.
 
     joints (K,), some of them several times; travels (K,) [rad], plastic (K,) of
-    presliding.Turning; peak: arguments (K,) of stribeck_curve.left behind the warmth, none where it does not fall. The
-    contacts bend up to what is left of a peak: where that comes back, they have to bend again.
+    presliding.Turning; peak: arguments (K,) of stribeck_curve.left behind the warmth, none where
+    it does not fall. The contacts bend up to what is left of a peak: where that comes back, they
+    have to bend again.
     """
 
     joints: np.ndarray

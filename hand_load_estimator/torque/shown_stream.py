@@ -47,14 +47,14 @@ class ShownStream:
     """
     Friction sample by sample: of all joints, and of all places that are asked for.
 
-    own: travels [rad] and plastic [-] (n,) over which each joint's friction turns; growth: the
-    TravelGrowth of these, None for none. After `at`: moved (STEPS, n) [rad], the joints' ways
+    own: travels [rad] and plastic [-] (n,) over which each joint's friction turns; level: the
+    ContactLevel of the joints, None for none. After `at`: moved (STEPS, n) [rad], the joints' ways
     within the sample, as short as they would be at the reference temperature; z (n,), and at_once
     (n,): what z would be of contacts that turn at once.
     """
 
-    def __init__(self, own, growth=None):
-        self._own, self._growth = own, growth
+    def __init__(self, own, level=None):
+        self._own, self._level = own, level
         self.restart()
 
     def restart(self):
@@ -68,16 +68,20 @@ class ShownStream:
         dt [s] long, of so many messages; warmth (n,) [K].
         """
         q, v = course
-        if self._ways is None:
+        if begins := self._ways is None:
             first = begun(v)
             self._ways, self._speed, self._direction = Ways(q[0]), v[0], first
-            self._contacts = Contacts(*self._own, first)
             self._stages = np.tile(first, (3, 2))
-        self.moved = self._ways.along(q, dt, messages)
-        if self._growth is not None:
-            self.moved = self.moved / self._growth(warmth)
+        self.moved, levels = self._ways.along(q, dt, messages), None
         speeds, self._speed = np.concatenate([self._speed[None], v]), v[-1]
-        path = self._contacts.bend(*self._contacts.ways(self.moved, None))
+        if self._level is not None:
+            self.moved = self.moved / self._level.warmed(warmth)
+            levels = self._level.fallen(speeds, warmth)
+        if begins:
+            self._contacts = Contacts(*self._own, first if levels is None else first * levels[0])
+        path = self._contacts.bend(*self._contacts.ways(self.moved, levels))
+        if levels is not None:
+            path = path / levels
         turned = directions(self._direction, self.moved)
         self._direction = turned[-1]
         self._stages = filtered(self._stages, np.concatenate([path, turned], axis=1), dt)

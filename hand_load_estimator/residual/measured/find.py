@@ -16,7 +16,7 @@ from ...torque.lateness import as_reported, change_when_late, lateness
 from ...torque.motion_inputs import known_motion, motion_inputs
 from ...torque.play import PlayAlong
 from ...torque.presliding import stuck_density
-from ...torque.shown_along import shown_as_one
+from ...torque.shown_along import followed_together, shown_as_one
 from ...torque.sliding import surely_slides
 from ...torque_model import drift_std, nuisance_columns, uncertain_directions
 from .blocks import Blocks
@@ -119,9 +119,9 @@ class Residual:
         n = self.residual.shape[1]
         if not ways:
             return
-        states = self.x.shown(np.tile(np.arange(n), len(ways)),
-                              *np.repeat(np.array(ways).T, n, axis=1))
-        self._paths.update({way: states[:, n * k:n * k + n] for k, way in enumerate(ways)})
+        followed = followed_together(self.x.shown.parts, [
+            (np.full(n, distance), np.full(n, plastic)) for distance, plastic in ways])
+        self._paths.update({way: shown_as_one(shown).z for way, shown in zip(ways, followed)})
 
     def as_noisy_as(self, rest, stated):
         """
@@ -167,7 +167,7 @@ def find_residual(model, evidence, cut=True):
     root = uncertain_directions(model, DIRECTIONS, 0)
     inputs = next(motion_inputs(model.robot, [e.motion for e in evidence],
                                 [(model.presliding_distance(), model.presliding_plastic())],
-                                model.travel_growth()))
+                                model.contact_level()))
     parts = [_of_recording(model, root, *own, cut) for own in zip(evidence, inputs)]
     joined = {name: np.concatenate([p[name] for p in parts]) for name in parts[0] if name != 'x'}
     x = _joined_input([p['x'] for p in parts])

@@ -24,7 +24,7 @@ from hand_load_estimator.torque.columns import EffectUse, torque_columns
 from hand_load_estimator.torque.model_follower import ModelFollower
 from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque.presliding import Turning
-from hand_load_estimator.torque.travel_growth import LEAST, MOST, TravelGrowth
+from hand_load_estimator.torque.contact_level import LEAST, MOST, ContactLevel
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 FALL = 'temperature_dependent_coulomb_friction'
@@ -51,11 +51,17 @@ def falling(share, knee=np.inf):
     return replace(model, mean=mean, uses=uses)
 
 
+def warming_level(slope):
+    """Return the ContactLevel of joints without a peak."""
+    n = len(slope)
+    return ContactLevel(slope, np.full(n, np.inf), np.zeros(n), np.ones((3, n)))
+
+
 def test_travels_fall_with_friction_as_far_as_its_knee():
-    growth = falling(0.02, knee=10.0).travel_growth()
-    np.testing.assert_allclose(growth(np.full(4, 5.0)), 0.9)
-    np.testing.assert_allclose(growth(np.full((3, 4), 30.0)), 0.8)
-    np.testing.assert_allclose(growth(np.full(4, -10.0)), 1.2)
+    level = falling(0.02, knee=10.0).contact_level()
+    np.testing.assert_allclose(level.warmed(np.full(4, 5.0)), 0.9)
+    np.testing.assert_allclose(level.warmed(np.full((3, 4), 30.0)), 0.8)
+    np.testing.assert_allclose(level.warmed(np.full(4, -10.0)), 1.2)
 
 
 def test_the_level_is_that_of_a_joint_that_turns():
@@ -67,25 +73,25 @@ def test_the_level_is_that_of_a_joint_that_turns():
         share = {'coulomb_friction': 0.02, 'stribeck_friction': 0.01, FALL: -0.001}.get(use.name)
         if share is not None:
             mean[where.start] = share * model.robot.limits.torque[use.joint]
-    growth = replace(model, mean=mean).travel_growth()
-    np.testing.assert_allclose(growth(np.full(4, 10.0)), 2.0 / 3.0)
+    level = replace(model, mean=mean).contact_level()
+    np.testing.assert_allclose(level.warmed(np.full(4, 10.0)), 2.0 / 3.0)
 
 
 def test_no_line_foretells_a_travel_of_nothing():
-    growth = TravelGrowth(np.array([-0.1, 0.5]), np.full(2, np.inf))
-    np.testing.assert_allclose(growth(np.full(2, 30.0)), [LEAST, MOST])
+    level = warming_level(np.array([-0.1, 0.5]))
+    np.testing.assert_allclose(level.warmed(np.full(2, 30.0)), [LEAST, MOST])
 
 
 def test_without_temperature_or_friction_travels_stay():
-    assert falling(0.0).travel_growth() is None
+    assert falling(0.0).contact_level() is None
     assert model_with(four_axes(), ('torque_offset',), {'torque_offset': (0.1,)}
-                      ).travel_growth() is None
+                      ).contact_level() is None
     model = falling(0.02)
     mean = model.mean.copy()
     for use, where in model.slices():
         if use.name in ('coulomb_friction', 'stribeck_friction'):
             mean[where] = 0.0
-    assert replace(model, mean=mean).travel_growth() is None
+    assert replace(model, mean=mean).contact_level() is None
 
 
 def test_half_the_friction_turns_over_half_the_travel():
@@ -93,7 +99,7 @@ def test_half_the_friction_turns_over_half_the_travel():
     distance, plastic = model.presliding_distance(), np.full(4, 0.8)
     reference = model.robot.reference_temperature
     found, doubt = motion_input(model.robot, warming(reference + 20.0), distance, plastic,
-                                model.travel_growth())
+                                model.contact_level())
     half, doubted = motion_input(model.robot, warming(reference), 0.5 * distance, plastic)
     np.testing.assert_allclose(found.z, half.z, atol=1e-12)
     np.testing.assert_allclose(doubt, doubted, atol=1e-12)
@@ -106,7 +112,7 @@ def test_it_is_followed_online_as_along_a_recording():
     motion = warming(25.0)
     motion = warming(np.linspace(COLD, WARM, len(motion.dt)))
     x, doubt = motion_input(model.robot, motion, model.presliding_distance(),
-                            model.presliding_plastic(), model.travel_growth())
+                            model.presliding_plastic(), model.contact_level())
     follower = ModelFollower(model)
     online = [follower.update(sample) for sample in motion.samples()]
     np.testing.assert_allclose([seen.z for seen in online], x.z, atol=1e-9)
@@ -115,7 +121,7 @@ def test_it_is_followed_online_as_along_a_recording():
 
 @pytest.mark.parametrize('celsius', [COLD, WARM])
 def test_bristles_of_one_stiffness_turn_so(celsius):
-    """Against the friction of the plant: what growth foretells of it, and what it is without."""
+    """Against the friction of the plant: what level foretells of it, and what it is without."""
     figures = draw_friction(ur10e(), DEFAULT, np.random.default_rng(3))
     n = len(figures.coulomb)
     figures = replace(figures, static=np.zeros(n), asymmetry=np.zeros(n),
@@ -143,7 +149,7 @@ def test_bristles_of_one_stiffness_turn_so(celsius):
                        for s in travels])
     travel = travels[errors.argmin(axis=0)]
     seen = turning(celsius - 25.0)[1:]
-    grown = travel * TravelGrowth(np.full(n, -0.02), np.full(n, np.inf))(celsius - 25.0)
+    grown = travel * warming_level(np.full(n, -0.02)).warmed(celsius - 25.0)
     left = [np.sqrt(np.mean((model(s) - seen)[late] ** 2)) for s in (grown, travel)]
     assert left[0] < 0.4 * left[1]
 
@@ -175,7 +181,7 @@ def recorded():
     for celsius in 2 * (COLD, 35.0, WARM):
         motion = waves(model.robot, rng, 15.0, celsius)
         x, _ = motion_input(model.robot, motion, model.presliding_distance(),
-                            growth=model.travel_growth())
+                            level=model.contact_level())
         torque = torque_columns(model.robot, model.layout, x) @ model.mean
         out.append(Evidence(f'run {len(out)}', motion,
                             torque + rng.normal(size=torque.shape) * model.noise))
@@ -216,9 +222,9 @@ def test_a_fall_that_is_new_makes_travels_new():
 def test_a_system_tells_whether_its_travels_are_those_of_parameters():
     right, before = slow_arm(), slow_arm(0.0)
     system = System(right.robot, right.uses, recorded(), before.mean)
-    assert system.travels_hold(before.uses, before.mean)
-    assert not system.travels_hold(right.uses, right.mean)
-    assert System(right.robot, right.uses, recorded(), right.mean).travels_hold(
+    assert system.levels_hold(before.uses, before.mean)
+    assert not system.levels_hold(right.uses, right.mean)
+    assert System(right.robot, right.uses, recorded(), right.mean).levels_hold(
         right.uses, slow_arm(0.999 * SHARE).mean)
 
 
@@ -240,8 +246,8 @@ def test_where_nobody_knows_how_the_level_falls_travels_stay(name):
         for use, where in model.slices():
             if use.name == name:
                 mean[where] = 1e-3 * model.robot.limits.torque[use.joint]
-        assert replace(model, mean=mean).travel_growth() is None
+        assert replace(model, mean=mean).contact_level() is None
         return
     uses = (*model.uses, EffectUse(name, 1))
-    growth = replace(model, uses=uses, mean=np.append(model.mean, 0.05)).travel_growth()
-    np.testing.assert_allclose(growth(np.full(4, 10.0)), [0.75, 1.0, 0.75, 0.75])
+    level = replace(model, uses=uses, mean=np.append(model.mean, 0.05)).contact_level()
+    np.testing.assert_allclose(level.warmed(np.full(4, 10.0)), [0.75, 1.0, 0.75, 0.75])
