@@ -14,9 +14,9 @@ from .effects import EffectInput, LATE
 from .robot import Robot
 from .torque.columns import (ColumnLayout, effect_slices, first_of_joints, presliding_distances,
                              presliding_plastics, tilt_along, torque_columns, warmth_of)
+from .torque.contact_level import contact_level, friction_level
 from .torque.link_pull import link_pull
 from .torque.load_through_effects import load_while_sliding
-from .torque.contact_level import friction_level, contact_level
 
 # Offset, Coulomb level and viscous coefficient of each joint drift from run to run.
 DRIFTS = 3

@@ -13,8 +13,8 @@ from hand_load_estimator.residual.diagnose import diagnose
 from hand_load_estimator.residual.diagnosis import CONFIRMED
 from hand_load_estimator.torque.columns import (ColumnLayout, play_columns, presliding_distances,
                                                 torque_columns)
-from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque.contact_level import contact_level
+from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 RUNS, SECONDS = 4, 16.0

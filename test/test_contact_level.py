@@ -21,10 +21,10 @@ from hand_load_estimator.motion import Motion
 from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.residual.measured.find import find_residual
 from hand_load_estimator.torque.columns import EffectUse, torque_columns
+from hand_load_estimator.torque.contact_level import ContactLevel, LEAST, MOST
 from hand_load_estimator.torque.model_follower import ModelFollower
 from hand_load_estimator.torque.motion_inputs import motion_input
 from hand_load_estimator.torque.presliding import Turning
-from hand_load_estimator.torque.contact_level import LEAST, MOST, ContactLevel
 from hand_load_estimator.torque_model import Residuals, TorqueModel
 
 FALL = 'temperature_dependent_coulomb_friction'
@@ -121,7 +121,7 @@ def test_it_is_followed_online_as_along_a_recording():
 
 @pytest.mark.parametrize('celsius', [COLD, WARM])
 def test_bristles_of_one_stiffness_turn_so(celsius):
-    """Against the friction of the plant: what level foretells of it, and what it is without."""
+    """Against the friction of the plant: what it foretells of it, and what it is without."""
     figures = draw_friction(ur10e(), DEFAULT, np.random.default_rng(3))
     n = len(figures.coulomb)
     figures = replace(figures, static=np.zeros(n), asymmetry=np.zeros(n),

@@ -23,9 +23,9 @@ from hand_load_estimator.residual.add import identified_again
 from hand_load_estimator.stream.joint_stream import motion_of
 from hand_load_estimator.torque.columns import (ColumnLayout, effect_slices, EffectUse,
                                                 torque_columns)
+from hand_load_estimator.torque.contact_level import contact_level
 from hand_load_estimator.torque.model_file import read_model, write_model
 from hand_load_estimator.torque.motion_inputs import motion_input
-from hand_load_estimator.torque.contact_level import contact_level
 
 NAMES = ('link_inertia', 'rotor_inertia', 'coulomb_friction', 'viscous_friction',
          'stribeck_friction', 'presliding_hysteresis', 'temperature_dependent_viscous_friction',

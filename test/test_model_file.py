@@ -259,9 +259,11 @@ def test_wrong_model_files_are_refused_with_file_and_key(content, tmp_path, case
     assert key in str(caught.value) and str(path) in str(caught.value)
 
 
-def test_a_file_whose_friction_turns_as_before_is_to_be_identified_again(content, tmp_path):
+@pytest.mark.parametrize('number', [1, 2])
+def test_a_file_whose_friction_turns_as_before_is_to_be_identified_again(content, tmp_path,
+                                                                         number):
     """The same parameters meant another torque."""
-    content = {**content, 'schema': 'hand_load/torque_model/1'}
+    content = {**content, 'schema': f'hand_load/torque_model/{number}'}
     (tmp_path / 'old.yaml').write_text(yaml.safe_dump(content))
     with pytest.raises(ConfigurationError) as refused:
         read_model(tmp_path / 'old.yaml')

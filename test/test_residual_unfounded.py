@@ -195,9 +195,11 @@ def test_no_effect_stands_at_the_end_of_its_shape_as_it_is_declared(name):
     plain = Hypothesis(name, 0, {}, np.ones(len(effect.parameters)), effect.default_shape())
     assert not looks_like_another(plain)
     for shape in effect.shapes:
-        if np.isfinite(shape.most) and shape.default != shape.most:
-            ended = replace(plain, shape={**plain.shape, shape.name: shape.most})
-            assert looks_like_another(ended)
+        if np.isfinite(shape.most):
+            near = 0.99 * shape.most
+            ended = replace(plain, shape={**plain.shape, shape.name: near})
+            # Where all yields is where the plainest contacts are.
+            assert looks_like_another(ended) == (shape.name != 'plastic')
 
 
 def test_what_is_only_suspected_makes_nothing_small():

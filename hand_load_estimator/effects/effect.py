@@ -89,8 +89,8 @@ class Shape:
         return self.unit == 'rad/s' and value <= (1.0 + AT_END) * self.least
 
     def longest(self, value):
-        """Tell whether a value stands at the upper end."""
-        return value >= (1.0 - AT_END) * self.most
+        """Tell whether a value stands at the upper end, unless it does so by default."""
+        return self.default != self.most and value >= (1.0 - AT_END) * self.most
 
     def there(self, value):
         """Tell whether a value says anything: infinite, or not worth its price, it is plain."""

@@ -8,10 +8,10 @@ from ..effects import LATE
 from ..effects.effect import SLOWEST
 from ..torque.columns import (ColumnLayout, effect_columns, effect_slices, presliding_distances,
                               presliding_plastics, torque_columns)
+from ..torque.contact_level import contact_level
 from ..torque.lateness import as_reported, change_when_late
 from ..torque.motion_inputs import known_motion, motion_inputs
 from ..torque.presliding import stuck_density
-from ..torque.contact_level import contact_level
 from .evidence import recording_numbers
 from .load_agreement import LeftOut
 

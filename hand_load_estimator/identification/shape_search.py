@@ -7,8 +7,8 @@ import numpy as np
 
 from ..effects import EFFECTS, PRESLIDING
 from ..torque.columns import effect_slices
-from ..torque.motion_inputs import motion_inputs
 from ..torque.contact_level import contact_level
+from ..torque.motion_inputs import motion_inputs
 from .regression_system import System, ways_to_turn
 
 TRAVEL = 'presliding_distance'

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import PRESLIDING
+from ..effects.effect import SLOWEST
 from ..effects.own_travel import BOTH, OWN_TRAVEL, PLASTIC
 from ..torque.contact_level import contact_level
 from ..torque.motion_inputs import motion_inputs
@@ -23,7 +24,7 @@ TURNS = 6
 # Steps that tell slopes: of the logarithm of the travel, of the plastic way [levels]; of a peak
 # the logarithm of its velocity, its exponent, and what it gains per kelvin. What they may be.
 STEPS = np.array([0.04, 0.1, 0.05, 0.05, 2e-3])
-LEAST_PLACE = np.array([np.log(1e-5), PLASTIC.least, np.log(5e-3), 0.5, 0.0])
+LEAST_PLACE = np.array([np.log(1e-5), PLASTIC.least, np.log(SLOWEST), 0.5, 0.0])
 MOST_PLACE = np.array([0.0, BOTH, 0.0, 3.0, 0.1])
 # How much of a slope's square a step is damped by at first; so many times less or more later.
 DAMPED, LESS, MORE = 1e-3, 0.1, 10.0
@@ -54,7 +55,7 @@ def with_turning_fitted(system, uses, evidence, x, intensity, joints, peaks=froz
     best = np.array([_place(uses, j) for j in joints])
     before += 2.0 * PRICES[PLASTIC.name] * (best[:, 1] < BOTH)
     left, price = left_at(best)
-    free = np.array([[True, True, *3 * [j in peaks]] for j in joints])
+    free = np.array([_free(uses, j, j in peaks) for j in joints])
     damped = np.full(len(joints), DAMPED)
     for _ in range(TURNS):
         slopes = _slopes(lambda places: left_at(places)[0], best, left, free)
@@ -65,6 +66,13 @@ def with_turning_fitted(system, uses, evidence, x, intensity, joints, peaks=froz
         damped *= np.where(better, LESS, MORE)
     gains = 0.5 * (before - (left ** 2).sum(axis=1) - price) >= LEAST
     return _at(uses, np.array(joints)[gains].tolist(), best[gains], peaks)
+
+
+def _free(uses, j, peak):
+    """Return which (5,) of joint j's coordinates settle: of a peak what has been told of it."""
+    told = _use(uses, PEAK, j).told_shape if peak else ()
+    return [True, True, *(name in told for name in (
+        'stribeck_velocity', 'exponent', 'velocity_range'))]
 
 
 def _residuals(system, uses, evidence, x, weights, joints):

@@ -91,7 +91,7 @@ def friction_state(rng, q, v, dt, truth):
 def _levels(v, truth):
     """Return what friction slides at (N, n) [Nm], never nothing."""
     fade = left(v, 0.0, truth.stribeck_velocity, truth.stribeck_exponent)
-    return np.maximum(truth.coulomb + truth.breakaway * fade, 1e-9)
+    return np.maximum(truth.coulomb + np.maximum(truth.breakaway, 0.0) * fade, 1e-9)
 
 
 def friction_torque(z, v, truth):

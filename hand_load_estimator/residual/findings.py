@@ -291,8 +291,9 @@ def _of_effect(model, better, hypothesis, searched):
     std = {**use.shape_std, **searched.std}
     if hypothesis.name in (PRESLIDING, PEAK):
         # They have settled beside everything else since then (turning_fit.py).
-        std = {name: np.hypot(value, use.shape[name] - hypothesis.shape[name])
-               for name, value in std.items() if name in use.told_shape}
+        moved = {name: value - hypothesis.shape[name] for name, value in use.told_shape.items()}
+        std = {name: np.hypot(std.get(name, 0.0), way) for name, way in moved.items()
+               if np.isfinite(way)}
     return out | {s.name: (use.told_shape[s.name], std.get(s.name, np.nan), s.unit)
                   for s in effect.shapes if s.name in use.told_shape}
 

@@ -23,12 +23,13 @@ from ..robot import robot_from_content
 from ..torque_model import Residuals, TorqueModel
 from .columns import EffectUse
 
-# Friction turns along the motion as it was measured.
-SCHEMA = 'hand_load/torque_model/2'
-# Before it turned along the filtered one: the same parameters meant another torque.
-OLD_SCHEMA = 'hand_load/torque_model/1'
+# One contact bears a joint's Coulomb friction and Stribeck peak.
+SCHEMA = 'hand_load/torque_model/3'
+# Before two did, and before that friction turned along the filtered motion: the same parameters
+# meant another torque.
+OLD_SCHEMAS = 'hand_load/torque_model/1', 'hand_load/torque_model/2'
 # Shapes that files from before they were there have at their defaults.
-_NEWER = frozenset({'impact', 'exponent', 'plastic'})
+_NEWER = frozenset({'impact'})
 _PRODUCT_UNITS = ('kg', 'kg m', 'kg m', 'kg m') + ('kg m^2',) * 6
 
 
@@ -155,10 +156,11 @@ def undated_digest(model):
 def read_model(path):
     """Return the TorqueModel of a file; ConfigurationError says what is wrong with it."""
     section = Section(read_yaml(path), path)
-    if section.get('schema', SCHEMA) == OLD_SCHEMA:
+    schema = section.get('schema', SCHEMA)
+    if schema in OLD_SCHEMAS:
         raise ConfigurationError(
             f'{path}: schema', 'is of an earlier version, whose friction turned in another way',
-            OLD_SCHEMA, SCHEMA, 'identify it again from its recordings (hand_load identify)')
+            schema, SCHEMA, 'identify it again from its recordings (hand_load identify)')
     section.text('schema', (SCHEMA,))
     robot = robot_from_content(section.get('robot', 'the robot file\'s content'),
                                f'{path}: robot')
@@ -296,7 +298,7 @@ def _read_shape(entry, effect):
 
 
 def _needed(effect):
-    return [s.name for s in effect.shapes if np.isfinite(s.default) and s.name not in _NEWER]
+    return [s.name for s in effect.shapes if s.there(s.default) and s.name not in _NEWER]
 
 
 def _numbers(section, effect, least, needed=None):

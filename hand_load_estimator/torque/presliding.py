@@ -8,7 +8,8 @@ al. 2002) are a spring until friction is within a share p of the level, and yiel
 dz/dq = k min(1 - z sign(dq), p) / s. Both have a closed form along a motion of one direction. k is
 such that a reversal takes the same work off friction whatever p is, 2 s times the level, so that a
 travel means the same for all of them. The state z in [-1, 1] is a function of the path alone,
-except for the value it started from.
+except for the value it started from. Up to a level that falls (contact_level.py) it may be beyond
+for a moment, after a reversal.
 """
 
 import numpy as np
@@ -33,7 +34,8 @@ STUCK_TIME = 1.0
 # where friction anywhere between its two levels has a third and the model's variances count for
 # load_share of themselves.
 REST_GROWTH = 0.6
-
+# More levels than ever lie on a way.
+ENDLESS = 1e9
 
 
 class Turning:
@@ -45,9 +47,11 @@ class Turning:
     """
 
     def __init__(self, plastic):
-        self._plastic = np.minimum(plastic, BOTH)
-        self.yields = bool(np.all(self._plastic >= BOTH))
-        self._pace = (BOTH ** 2 + self._plastic ** 2) / (2.0 * BOTH * self._plastic)
+        yields = np.asarray(plastic) >= BOTH
+        self.yields, own = bool(np.all(yields)), np.minimum(plastic, BOTH)
+        self._pace = (BOTH ** 2 + own ** 2) / (2.0 * BOTH * own)
+        # Where a level has fallen more than BOTH may be left of the way: of that, too, all yields.
+        self._plastic = np.where(yields, ENDLESS, own)
 
     def bends(self, way):
         """Return what `after` takes of ways in travels: any number of them at once."""

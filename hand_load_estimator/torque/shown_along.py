@@ -7,11 +7,11 @@ import numpy as np
 
 from ..course import Ways
 from ..effects.stribeck_curve import left
+from .contact_level import ContactLevel
 from .contacts import Contacts
 from .lock_step import lock_step
 from .shown_filter import filtered_along
 from .shown_friction import Apart, begun, directions
-from .contact_level import ContactLevel
 
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
