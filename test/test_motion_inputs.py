@@ -16,7 +16,7 @@ from hand_load_estimator.torque.shown_links import shown_links_and_way
 def test_ways_of_turning_side_by_side_are_as_each_alone():
     robot = four_axes()
     motions = [Motion.of(filtered(seconds, 125.0)) for seconds in (3.0, 1.2)]
-    ways = [(np.full(4, travel), np.full(4, plastic)) for travel in (3e-4, 1e-3, 4e-3)
+    ways = [(np.full(4, travel), np.full(4, plastic)) for travel in (3e-4, 6e-4, 1e-3, 2e-3, 4e-3)
             for plastic in (2.0, 0.5, 0.8)]
     assert len(ways) > WAYS
     several = list(motion_inputs(robot, motions, ways, None))

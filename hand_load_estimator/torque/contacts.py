@@ -5,8 +5,6 @@ Up to what is left of the Stribeck peak (stribeck_curve.py) they bend as up to a
 comes back as a joint slows down, they have to bend again.
 """
 
-from itertools import repeat
-
 import numpy as np
 
 from ..course import STEPS
@@ -51,14 +49,14 @@ class Contacts:
 
     def bend(self, directions, bends, levels):
         """Return friction (STEPS + 1, K) as it was and within a sample, before the filter."""
-        out = _bent(self._turning.after, self.friction, directions, bends, levels)
+        out = _bent(self._turning.after, self.friction, *_towards(directions, levels), bends)
         self.friction = out[-1]
         return out[::len(bends) // STEPS]
 
     def bend_along(self, directions, bends, levels):
         """Return what `bend` does of N samples (N, ...), one after the other."""
         out = np.empty((len(bends), STEPS + 1, len(self.friction)))
-        towards = directions * (1.0 if levels is None else levels)
+        towards, inverse = _towards(directions, levels)
         some = self._yielding
         if len(some):
             out[..., some] = _clipped_along(self.friction[some], np.exp(-bends[..., some]),
@@ -66,23 +64,27 @@ class Contacts:
         some, every = self._sprung, bends.shape[1] // STEPS
         if len(some):
             friction = self.friction[some]
-            for row, *steps in zip(out, directions[..., some], bends[..., some], repeat(None)
-                                   if levels is None else levels[..., some]):
+            for row, *steps in zip(out, towards[..., some], inverse[..., some],
+                                   bends[..., some]):
                 bent = _bent(self._turning_sprung.after, friction, *steps)
                 row[:, some], friction = bent[::every], bent[-1]
         self.friction = out[-1, -1]
         return out
 
 
-def _bent(after, friction, directions, bends, levels):
+def _towards(directions, levels):
+    """Return the friction that contacts bend towards, none where they stand, and one over it."""
+    return (directions, directions) if levels is None else (
+        directions * levels, directions / levels)
+
+
+def _bent(after, friction, towards, inverse, bends):
     """Return friction (S + 1, K) as it was and after each of S steps; after: of Turning."""
-    out, stands = np.empty((len(bends) + 1, len(friction))), not directions.all()
+    out, stands = np.empty((len(bends) + 1, len(friction))), not towards.all()
     out[0] = friction
-    for k, (direction, bend) in enumerate(zip(directions, bends)):
-        level = 1.0 if levels is None else levels[k]
-        remains = after(np.maximum(1.0 - direction * friction / level, 0.0), bend)
-        turned = direction * (level - level * remains)
-        friction = np.where(direction != 0.0, turned, friction) if stands else turned
+    for k, (level, per_level, bend) in enumerate(zip(towards, inverse, bends)):
+        turned = level - level * after(np.maximum(1.0 - per_level * friction, 0.0), bend)
+        friction = np.where(level != 0.0, turned, friction) if stands else turned
         out[k + 1] = friction
     return out
 

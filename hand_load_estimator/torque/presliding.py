@@ -52,6 +52,7 @@ class Turning:
         self._pace = (BOTH ** 2 + own ** 2) / (2.0 * BOTH * own)
         # Where a level has fallen more than BOTH may be left of the way: of that, too, all yields.
         self._plastic = np.where(yields, ENDLESS, own)
+        self._per_plastic = 1.0 / self._plastic
 
     def bends(self, way):
         """Return what `after` takes of ways in travels: any number of them at once."""
@@ -61,10 +62,10 @@ class Turning:
         """Return what is left of `left` after the way of a bend."""
         if self.yields:
             return left * np.exp(-bend)
-        sprung = left - self._plastic * bend
-        yielding = np.maximum(bend - np.maximum(left / self._plastic - 1.0, 0.0), 0.0)
-        return np.where(sprung > self._plastic, sprung,
-                        np.minimum(left, self._plastic) * np.exp(-yielding))
+        # An exponential is nowhere below its tangent: the larger of both is the one that holds.
+        beyond = np.minimum(np.maximum(self._per_plastic * left, 1.0) - (1.0 + bend), 0.0)
+        return np.maximum(left - self._plastic * bend,
+                          np.minimum(left, self._plastic) * np.exp(beyond))
 
     def turned(self, z, moved, distance):
         """Return the state that z becomes after ways [rad] of one direction; distance: s [rad]."""

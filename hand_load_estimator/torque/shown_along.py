@@ -16,7 +16,7 @@ from .shown_friction import Apart, begun, directions
 # So many samples are prepared at once: all of a long recording would fill the memory.
 ROWS = 512
 # So many ways of turning are followed side by side: more would fill the memory.
-WAYS = 6
+WAYS = 12
 
 
 @dataclass(frozen=True, eq=False)
