@@ -96,7 +96,7 @@ class TorqueModel:
         return presliding_plastics(self.robot.n, self.uses)
 
     def contact_level(self):
-        """Return the ContactLevel of these travels, None where they are the same at any warmth."""
+        """Return the ContactLevel of the joints, None where nothing moves their levels."""
         return contact_level(self.robot, self.uses, self.mean)
 
     def friction_level(self):

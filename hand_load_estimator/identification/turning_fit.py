@@ -14,9 +14,7 @@ import numpy as np
 from ..effects import PRESLIDING
 from ..effects.effect import SLOWEST
 from ..effects.own_travel import BOTH, OWN_TRAVEL, PLASTIC
-from ..torque.contact_level import contact_level
-from ..torque.motion_inputs import motion_inputs
-from .regression_system import System, ways_to_turn
+from .regression_system import System
 from .shape_search import joint_residuals, PRICES, TRAVEL
 
 PEAK = 'stribeck_friction'
@@ -77,10 +75,7 @@ def _free(uses, j, peak):
 
 def _residuals(system, uses, evidence, x, weights, joints):
     """Return what is left (J, N) of joints with their own effects fitted again."""
-    robot = system.robot
-    (given,) = motion_inputs(robot, [e.motion for e in evidence], [ways_to_turn(robot.n, uses)],
-                             contact_level(robot, uses, x))
-    return np.array(list(joint_residuals(uses, System(robot, uses, evidence, x, given), x,
+    return np.array(list(joint_residuals(uses, System(system.robot, uses, evidence, x), x,
                                          weights, joints)))
 
 

@@ -68,8 +68,8 @@ def friction_state(rng, q, v, dt, truth):
     """
     Return z (N, n): the friction state along q (N, n), let go a little whenever a joint rests.
 
-    v (N, n) [rad/s]; dt [s] of a row. Once it rests the contacts relax towards a
-    random value (creep, a brake, a drive's dither).
+    v (N, n) [rad/s]; dt [s] of a row. Once it rests the contacts relax towards a random
+    value (creep, a brake, a drive's dither).
     """
     z, turning, levels = np.empty_like(q), Turning(truth.plastic), _levels(v, truth)
     levels = levels / _levels(np.zeros(q.shape[1]), truth)
