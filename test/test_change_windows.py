@@ -140,6 +140,38 @@ def test_a_sample_in_the_middle_of_a_piece_shows_another_load(monkeypatch):
     assert watched.windows.changed_by_pieces() and not blind.windows.changed_by_pieces()
 
 
+class Certain(ChangeWindows):
+    """Windows that have so much evidence of another load."""
+
+    told = 100.0
+
+    def evidence(self, recent, older):
+        return self.told
+
+
+@pytest.mark.parametrize('foretold, needed, of_joint, changed', [
+    # All the evidence that is asked for, once over any joint's.
+    (False, 60.0, 39.0, True), (False, 60.0, 41.0, False), (False, 101.0, -50.0, False),
+    # Of a model that foretells more than a joint's, or all that is asked of others.
+    (True, 160.0, 99.0, True), (True, 160.0, 101.0, False), (True, 170.0, -50.0, False),
+    (True, 99.0, 1e3, True), (True, 101.0, 1e3, False)])
+def test_another_load_is_told_from_a_joint(foretold, needed, of_joint, changed, monkeypatch):
+    monkeypatch.setattr(change_windows, 'OF_A_MOMENT', 1.0)
+    monkeypatch.setattr(change_windows, 'strongest_joint', lambda *arguments: of_joint)
+    watched = Watched(Certain, needed, foretold)
+    watched.take(3 * LONG + 3, block(3.0).to_products())
+    watched.take(3, block(15.0).to_products())
+    assert watched.windows.changed_by_pieces() == changed
+
+
+def test_a_moment_has_to_be_ahead_of_a_joint_by_no_more_than_longer(monkeypatch):
+    monkeypatch.setattr(change_windows, 'strongest_joint', lambda *arguments: 69.0)
+    watched = Watched(Certain, needed=30.0, foretold=False)
+    watched.take(3 * LONG + 6, block(3.0).to_products())
+    watched.take(3, block(15.0).to_products())
+    assert watched.windows.changed_by_pieces()
+
+
 @pytest.fixture(scope='module')
 def silent(tmp_path_factory):
     """Return an artefact whose network says nothing."""

@@ -30,10 +30,10 @@ class ChangeWindows:
 
     change (10, 10): covariance of what the products may change by with the load. A window begins
     some pieces back and grows with every sample, until it is begun anew. Where the model has
-    foretold the torques well, less evidence is asked for, every sample is tested, also for a slip
-    of the grasp, in one window more, the longest one for small changes, and no joint is suspected
-    instead.
-    Elsewhere what ails an arm looks like another load the more often, the more is tested.
+    foretold the torques well, less evidence is asked for unless a joint explains as much, every
+    sample is tested, also for a slip of the grasp, in one window more, and the longest one for
+    small changes. Elsewhere what ails an arm looks like another load the more often, the more is
+    tested, and another load has to be ahead of any one joint by the evidence asked for.
     """
 
     def __init__(self, change, recent, n):
@@ -89,13 +89,15 @@ class ChangeWindows:
     def _changed(self, count):
         recent, older = self._windows[count]
         recent = self._recent.with_open(recent)
-        needed = (self._needed * (FORETOLD if self._foretold else 1.0)
-                  * (OF_A_MOMENT if count == SHORT else 1.0))
+        needed = self._needed * (OF_A_MOMENT if count == SHORT else 1.0)
+        least = needed * (FORETOLD if self._foretold else 1.0)
         # No log Bayes factor is larger than that.
-        if 0.5 * recent.left_by(older.mean) <= needed:
+        if 0.5 * recent.left_by(older.mean) <= least:
             return False
         evidence = self.evidence(recent, older)
-        # A slip may show in one joint only. Where the model has foretold the torques that well,
-        # a joint that suddenly is another is less likely still.
-        return evidence > needed and (self._foretold or evidence > strongest_joint(
-            recent, older.mean, older.precision, self._joints))
+        if evidence <= least:
+            return False
+        beyond = evidence - strongest_joint(recent, older.mean, older.precision, self._joints)
+        # Most of what ails an arm shows in one joint, but so may a slip: where the model has
+        # foretold the torques well, that takes no more than the evidence asked of other models.
+        return beyond > 0.0 or evidence > needed if self._foretold else beyond > self._needed
