@@ -51,7 +51,8 @@ class Bayes(Watching):
         self.refused, another = self._contacts.update(sample, prediction, innovation, spread,
                                                       torque)
         if self.refused:
-            if self._contacts.contact and not self._take_back(sample.stamp):
+            again = self._contacts.old_load_again(sample, columns, prediction)
+            if self._contacts.contact and not self._take_back(sample.stamp, again=again):
                 self._leave_out_onset(sample, prediction)
             return self.belief()
         if another:
@@ -72,8 +73,8 @@ class Bayes(Watching):
             self._regression.drop_newest(sample.stamp)
             self._known = self._regression.known()
 
-    def _take_back(self, stamp, surely=False):
-        taken = self._regression.take_back(stamp, surely)
+    def _take_back(self, stamp, **why):
+        taken = self._regression.take_back(stamp, **why)
         if taken:
             self._known = self._regression.known()
         return taken

@@ -37,7 +37,8 @@ class ContactGate:
 
     joints: names; rmse (n,) [Nm]: residual of the torque model; change (10, 10): covariance of
     what the products may change by with the load; gain_doubt: relative standard deviation of
-    torque constants. reason: why, in words, while in contact.
+    torque constants. reason: why, in words, while in contact; explained: whether the believed
+    load alone explains the last sample.
     """
 
     def __init__(self, joints, rmse, change, gain_doubt=0.0):
@@ -52,7 +53,7 @@ class ContactGate:
     def clear(self):
         """Forget a contact; what is usual stays."""
         self._beyond, self._calm, self.reason = 0.0, OVER, ''
-        self._lasting, self._peak = 0.0, 0.0
+        self._lasting, self._peak, self.explained = 0.0, 0.0, True
 
     def hold(self):
         """Be in contact: a push was told that at any one moment another load explains, too."""
@@ -77,7 +78,8 @@ class ContactGate:
             memory = max(min(self._seen, MEMORY), dt)
             self._usual += dt / memory * (unexplained / len(left) - self._usual)
         self._beyond = self._beyond + dt if over else 0.0
-        calm = dt if alone < limit else 0.0 if pushed else dt * OVER / OVER_WITH_ANOTHER
+        self.explained = alone < limit
+        calm = dt if self.explained else 0.0 if pushed else dt * OVER / OVER_WITH_ANOTHER
         self._calm = 0.0 if over else self._calm + calm
         contact = self._beyond >= SHORTEST or bool(self.reason and self._calm < OVER)
         if not contact:
@@ -92,6 +94,11 @@ class ContactGate:
         if over:
             self._say(left)
         return True
+
+    def explains(self, prediction, innovation, load_torque):
+        """Tell whether a load alone explains a sample; arguments as of update, of that load."""
+        _, _, alone = self._unexplained(prediction, innovation, load_torque)
+        return alone < self._limit * max(self._usual, 1.0)
 
     def refuses(self, prediction, innovation, load_torque):
         """

@@ -5,7 +5,7 @@ A push that at any one moment another load explains first looks like a change of
 watch then compares both, and the method goes back to the load before (LoadRegression.take_back).
 """
 
-from .contact_gate import ContactGate
+from .contact_gate import ContactGate, OVER
 from .load_prior import load_prior
 from .old_load import TAKEN_BACK
 from .push_watch import PushWatch
@@ -26,7 +26,7 @@ class ContactWatch:
                                  robot.effort.torque_constants_std)
         self._rest = RestWatch(robot.joints, model.noise, regression.change)
         self._pushes = PushWatch(robot, load_prior(robot), regression.change, uncertainties)
-        self.began = False
+        self.began, self._again = False, 0.0
 
     @property
     def contact(self):
@@ -72,6 +72,19 @@ class ContactWatch:
             self._pushes.end()
         return contact, beyond == ANOTHER_LOAD and not contact
 
+    def old_load_again(self, sample, columns, prediction):
+        """
+        Tell whether the load before the last change explains what is left out, and ours does not.
+
+        With every sample of a contact, after update. It has done so for as long as ends a contact.
+        """
+        older = self._regression.older_belief
+        alone = not self._gate.explained and older is not None and self._gate.explains(
+            prediction, self._regression.beside_tared(columns, prediction.difference)
+            - columns.dot(older.mean), columns[:, :10].dot(older.mean[:10]))
+        self._again = self._again + sample.dt if alone else 0.0
+        return self._again >= OVER
+
     def changed(self):
         """Begin anew after a change of the load, which may turn out to have been a push."""
         self.clear()
@@ -83,3 +96,4 @@ class ContactWatch:
         self._gate.clear()
         self._rest.restart()
         self._pushes.end()
+        self._again = 0.0

@@ -97,7 +97,8 @@ class Lstm(Watching):
         load = innovation_of(prediction, columns, self._known, self._plain.posterior)
         contact, another = self._contacts.update(sample, prediction, *load)
         if contact:
-            if self._contacts.contact and not self._take_back(sample.stamp):
+            again = self._contacts.old_load_again(sample, columns, prediction)
+            if self._contacts.contact and not self._take_back(sample.stamp, again=again):
                 self._leave_out_onset(sample, prediction)
             return self.belief()
         if another:
@@ -165,11 +166,11 @@ class Lstm(Watching):
             self._learned.drop_newest(sample.stamp)
             self._renew()
 
-    def _take_back(self, stamp, surely=False):
+    def _take_back(self, stamp, **why):
         """Return to the load before a change that was a contact, if so; tell whether."""
-        taken = self._plain.take_back(stamp, surely)
+        taken = self._plain.take_back(stamp, **why)
         if taken:
-            self._learned.take_back(stamp, surely)
+            self._learned.take_back(stamp, **why)
             self._cell.restart()
             self._shift, self._spread = self._said_before
             self._renew()

@@ -13,6 +13,9 @@ TAKEN_BACK, NOT_TWICE = 1.5, 5.0
 # Nor, where a push was told, within so long [s]: longer than a contact is kept out, or one that
 # does not end would never be let through.
 NO_OTHER_PUSH = 15.0
+# One that explains torques again which the newer does not comes back within so long [s], whatever
+# was before: contacts are not left out any longer.
+AGAIN = 10.0
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,15 @@ class OldLoads:
             return None
         if surely and (ails or self._soon_after(self._changed_before, NOT_TWICE)):
             return None
+        return self._come_back(stamp)
+
+    def again(self, stamp):
+        """Return the OldLoad that torques are of again at a stamp [s], None where it is not."""
+        if self._kept is None or not 0.0 <= stamp - self._changed < AGAIN:
+            return None
+        return self._come_back(stamp)
+
+    def _come_back(self, stamp):
         load, self._kept = self._kept, None
         self._returned = self._changed = stamp
         return load

@@ -290,14 +290,16 @@ class LoadRegression:
         self.changes += 1
         self.last_change, self.changed_pieces = stamp, pieces
 
-    def take_back(self, stamp, surely=False):
+    def take_back(self, stamp, surely=False, again=False):
         """
         Return to the load before the newest change, if that was just now; tell whether.
 
-        What looked like another load has turned out to be a contact, surely so or not.
+        What looked like another load has turned out to be a contact, surely so or not; again: the
+        old load explains the torques again.
         """
         # A model that has not foretold torques as it states ails.
-        old = self._old.back(stamp, surely, surely and not self.trust.as_stated_before())
+        old = self._old.again(stamp) if again else self._old.back(
+            stamp, surely, surely and not self.trust.as_stated_before())
         if old is None:
             return False
         self._start, self._prior = old.start, old.expected
