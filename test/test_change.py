@@ -9,8 +9,8 @@ from plant_helpers import ur10e
 import pytest
 
 from hand_load_estimator.estimators import change_windows
-from hand_load_estimator.estimators.change import (EVIDENCE, log_bayes_factor, LONG, PIECE,
-                                                   RecentData, strongest_joint)
+from hand_load_estimator.estimators.change import (EVIDENCE, expected_ahead, log_bayes_factor,
+                                                   LONG, PIECE, RecentData, strongest_joint)
 from hand_load_estimator.estimators.information import Information
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.model_trust import ModelTrust
@@ -200,15 +200,31 @@ def test_evidence_speaks_for_the_same_load_and_against_another():
     assert same < 0.0 and other > EVIDENCE
 
 
-def drifting(rng, load, jump=0.0, rows=40):
+def drifting(rng, load, jump=0.0, rows=40, weights=np.ones(6), one_pose=False):
     """Return Information of rows: load, then offset, Coulomb and viscous drift of six joints."""
     robot, out = exact_model('ur10e').robot, Information(0, 18)
-    for q, v, a in rng.uniform(-1.5, 1.5, (rows, 3, 6)):
+    for q, v, a in rng.uniform(-1.5, 1.5, (rows, 3, 6)) * (0.02 if one_pose else 1.0) + one_pose:
         drifts = [np.diag(0.2 * part) for part in (np.ones(6), np.sign(v), v)]
         columns = np.hstack([robot.load_regressor(q, v, a), *drifts])
         torque = columns[:, :10] @ load.to_products() + jump + rng.normal(size=6)
-        out.add_rows(columns, torque, np.ones(6))
+        out.add_rows(columns, torque, weights)
     return out
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_how_far_a_load_is_ahead_of_a_joint_is_known_before(seed):
+    """It is as far as it turns out to be, and where one joint tells hardly at all."""
+    rng, change = np.random.default_rng(seed), np.diag([4.0] + [0.3] * 3 + [0.05] * 6) ** 2
+    older = drifting(rng, block(3.0), rows=300)
+    precision = older.matrix + np.diag([1e-6] * 10 + [1.0] * 18)
+    mean = np.linalg.solve(precision, older.vector)
+    for weights, one_pose in ((np.ones(6), False), (np.ones(6), True), (np.eye(6)[1], True)):
+        recent = drifting(rng, block(9.0), weights=weights, one_pose=one_pose)
+        expected = expected_ahead(recent, mean, precision, change, 6)
+        evidence = log_bayes_factor(recent, mean, precision, change)
+        ahead = evidence - strongest_joint(recent, mean, precision, 6)
+        assert evidence > 2.0 * EVIDENCE and abs(ahead - expected) < 0.05 * abs(ahead) + 3.0
+        assert expected > 4.0 * EVIDENCE if weights.all() else expected < EVIDENCE
 
 
 @pytest.mark.parametrize('joint', range(1, 6))

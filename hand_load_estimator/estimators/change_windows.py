@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .change import (BRIEF, FORETOLD, log_bayes_factor, LONG, MIDDLE, OF_A_MOMENT, SHORT,
-                     strongest_joint)
+from .change import (BRIEF, expected_ahead, FORETOLD, log_bayes_factor, LONG, MIDDLE,
+                     OF_A_MOMENT, OF_EXPECTED, SHORT, strongest_joint)
 from .information import Posterior
 
 
@@ -33,7 +33,8 @@ class ChangeWindows:
     foretold the torques well, less evidence is asked for unless a joint explains as much, every
     sample is tested, also for a slip of the grasp, in one window more, and the longest one for
     small changes. Elsewhere what ails an arm looks like another load the more often, the more is
-    tested, and another load has to be ahead of any one joint by the evidence asked for.
+    tested, and another load has to be ahead of any one joint by the evidence asked for, or by
+    OF_EXPECTED of what one would be.
     """
 
     def __init__(self, change, recent, n):
@@ -97,7 +98,11 @@ class ChangeWindows:
         evidence = self.evidence(recent, older)
         if evidence <= least:
             return False
-        beyond = evidence - strongest_joint(recent, older.mean, older.precision, self._joints)
-        # Most of what ails an arm shows in one joint, but so may a slip: where the model has
-        # foretold the torques well, that takes no more than the evidence asked of other models.
-        return beyond > 0.0 or evidence > needed if self._foretold else beyond > self._needed
+        belief = older.mean, older.precision
+        ahead = evidence - strongest_joint(recent, *belief, self._joints)
+        if self._foretold:
+            # Most of what ails an arm shows in one joint, but so may a slip: where the model has
+            # foretold the torques well, that takes no more than is asked of other models.
+            return ahead > 0.0 or evidence > needed
+        expected = expected_ahead(recent, *belief, self._change, self._joints)
+        return ahead > max(0.0, min(self._needed, OF_EXPECTED * expected))
