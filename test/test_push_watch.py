@@ -13,8 +13,10 @@ import pytest
 from hand_load_estimator.estimators.change import change_covariance, EVIDENCE
 from hand_load_estimator.estimators.change_windows import Older
 from hand_load_estimator.estimators.contact_gate import LONGEST
+from hand_load_estimator.estimators.contact_watch import ContactWatch
 from hand_load_estimator.estimators.load_prior import load_prior
 from hand_load_estimator.estimators.model_trust import ModelTrust
+from hand_load_estimator.estimators.old_load import OldLoads
 from hand_load_estimator.estimators.push_watch import PushWatch
 from hand_load_estimator.estimators.regression import LoadRegression, SETTLING
 from hand_load_estimator.load import LoadParameters
@@ -67,6 +69,7 @@ def test_columns_are_the_work_of_a_force_and_a_moment(model):
 
 
 DOWN, UP, BESIDE = (0, 0, -40, 0, 0, 0), (0, 0, 40, 0, 0, 0), (0, 15, 30, 3, 0, 2)
+ASIDE = (40, 0, 0, 0, 0, 0)
 
 
 @pytest.mark.parametrize('seed, wrench', [(2, DOWN), (2, UP), (4, UP), (0, BESIDE), (3, BESIDE)])
@@ -155,6 +158,30 @@ def test_lstm_goes_back_with_bayes(model, silent):
     told = [['contact' in e.reason for e in estimates] for estimates in (plain, ours)]
     assert np.mean(np.not_equal(*told)) < 0.01
     np.testing.assert_allclose(ours[-1].mean[0], plain[-1].mean[0], atol=0.01)
+
+
+@pytest.mark.parametrize('method', ['bayes', 'lstm'])
+def test_a_push_taken_for_a_load_that_ends_as_a_contact_leaves_the_old_load(
+        model, method, silent, monkeypatch):
+    """Where none may be taken back, as just after another one that was."""
+    monkeypatch.setattr(OldLoads, 'back', lambda self, *arguments: None)
+    stream = messages(model, block(MASS), 13.0, seed=2)
+    for wrench, begins in (DOWN, FROM), (ASIDE, FROM + 0.45):
+        stream = pushed(model, stream, wrench, begins, FROM + LASTS)
+
+    def run():
+        return feed(warm(pipeline_of(model) if method == 'bayes'
+                         else pipeline_with(model, silent)), stream)
+
+    def last_wrong(estimates):
+        return max(e.stamp for e in estimates if abs(e.mean[0] - MASS) > 0.1) - FROM
+
+    estimates = run()
+    assert any(e.reason.startswith('contact') for e in estimates if e.stamp > FROM + 0.45)
+    assert last_wrong(estimates) < LASTS + 0.2
+    assert abs(estimates[-1].mean[0] - MASS) < 4.0 * estimates[-1].std[0] < 0.1
+    monkeypatch.setattr(ContactWatch, 'old_load_again', lambda self, *arguments: False)
+    assert last_wrong(run()) > LASTS + 1.0
 
 
 def test_of_what_came_long_before_a_contact_nothing_is_left_out(model):
