@@ -252,7 +252,7 @@ def kicked(joint, seconds=6.0, at=3.0):
 
 @pytest.mark.parametrize('joint', [1, 2, 3])
 def test_a_joint_that_begins_to_drag_is_no_other_load(joint, monkeypatch):
-    """Unless the arm was healthy until then, where a slip is likelier."""
+    """Where the model has not foretold the torques."""
     monkeypatch.setattr(ModelTrust, 'foretold_before', lambda self: False)
     pipeline = warm(pipeline_of(exact_model('ur10e')))
     feed(pipeline, kicked(joint))

@@ -134,7 +134,7 @@ def test_a_sample_in_the_middle_of_a_piece_shows_another_load(monkeypatch):
         each.take(1, block(15.0).to_products())
     assert watched.windows.changed_by_sample(), 'at once'
     monkeypatch.setattr(change_windows, 'strongest_joint', lambda *arguments: np.inf)
-    assert watched.windows.changed_by_sample(), 'no joint is suspected of a healthy arm'
+    assert watched.windows.changed_by_sample(), 'all the evidence is there, whatever a joint explains'
     for each in watched, blind:
         each.take(1, block(15.0).to_products())
     assert watched.windows.changed_by_pieces() and not blind.windows.changed_by_pieces()
@@ -177,6 +177,15 @@ def test_a_moment_has_to_be_ahead_of_a_joint_by_no_more_than_longer(monkeypatch)
     watched.take(3 * LONG + 6, block(3.0).to_products())
     watched.take(3, block(15.0).to_products())
     assert watched.windows.changed_by_pieces()
+
+
+def test_a_moment_is_asked_for_twice_the_evidence_where_a_joint_explains_as_much(monkeypatch):
+    """Of a model that foretells, too."""
+    monkeypatch.setattr(change_windows, 'strongest_joint', lambda *arguments: 1e3)
+    watched = Watched(Certain, needed=60.0)
+    watched.take(3 * LONG + 6, block(3.0).to_products())
+    watched.take(3, block(15.0).to_products())
+    assert watched.windows._changed(BRIEF) and not watched.windows._changed(SHORT)
 
 
 @pytest.mark.parametrize('joint', [1, 2])

@@ -101,8 +101,8 @@ class ChangeWindows:
         belief = older.mean, older.precision
         ahead = evidence - strongest_joint(recent, *belief, self._joints)
         if self._foretold:
-            # Most of what ails an arm shows in one joint, but so may a slip: where the model has
-            # foretold the torques well, that takes no more than is asked of other models.
+            # Most of what ails an arm shows in one joint, but so may a slip: of a model that has
+            # foretold the torques well all the evidence suffices, whatever a joint explains.
             return ahead > 0.0 or evidence > needed
         expected = expected_ahead(recent, *belief, self._change, self._joints)
         return ahead > max(0.0, min(self._needed, OF_EXPECTED * expected))
