@@ -176,7 +176,7 @@ def test_a_moment_has_to_be_ahead_of_a_joint_by_no_more_than_longer(monkeypatch)
     watched = Watched(Certain, needed=30.0, foretold=False)
     watched.take(3 * LONG + 6, block(3.0).to_products())
     watched.take(3, block(15.0).to_products())
-    assert watched.windows.changed_by_pieces()
+    assert watched.windows._changed(SHORT)
 
 
 def test_a_moment_is_asked_for_twice_the_evidence_where_a_joint_explains_as_much(monkeypatch):

@@ -98,11 +98,13 @@ class ChangeWindows:
         evidence = self.evidence(recent, older)
         if evidence <= least:
             return False
+        # Most of what ails an arm shows in one joint, but so may a slip: of a model that has
+        # foretold the torques well all the evidence suffices, whatever a joint explains.
+        if self._foretold and evidence > needed:
+            return True
         belief = older.mean, older.precision
         ahead = evidence - strongest_joint(recent, *belief, self._joints)
-        if self._foretold:
-            # Most of what ails an arm shows in one joint, but so may a slip: of a model that has
-            # foretold the torques well all the evidence suffices, whatever a joint explains.
-            return ahead > 0.0 or evidence > needed
+        if ahead <= 0.0 or self._foretold:
+            return ahead > 0.0
         expected = expected_ahead(recent, *belief, self._change, self._joints)
-        return ahead > max(0.0, min(self._needed, OF_EXPECTED * expected))
+        return ahead > min(self._needed, OF_EXPECTED * expected)

@@ -71,7 +71,7 @@ class ContactGate:
         unexplained, left, alone = self._unexplained(prediction, innovation, load_torque)
         if prediction.doubt.min() < KNOWN:
             self._seen += dt
-        limit = self._limit * max(self._usual, 1.0)
+        limit = self._sudden()
         over = self._seen > ARMED and unexplained > max(limit, SHARE * alone)
         if not over:
             # A plain mean until there is as much as the memory holds.
@@ -98,7 +98,11 @@ class ContactGate:
     def explains(self, prediction, innovation, load_torque):
         """Tell whether a load alone explains a sample; arguments as of update, of that load."""
         _, _, alone = self._unexplained(prediction, innovation, load_torque)
-        return alone < self._limit * max(self._usual, 1.0)
+        return alone < self._sudden()
+
+    def _sudden(self):
+        """Return the c beyond which a sample is more than usual."""
+        return self._limit * max(self._usual, 1.0)
 
     def refuses(self, prediction, innovation, load_torque):
         """
@@ -112,8 +116,7 @@ class ContactGate:
         inverse = np.linalg.inv(known + free)
         left = innovation - _friction(inverse, innovation, STATIC * prediction.friction)
         unexplained = left @ inverse @ left
-        limit = self._limit * max(self._usual, 1.0)
-        if unexplained < max(limit, SHARE * (innovation ** 2 / own).sum()):
+        if unexplained < max(self._sudden(), SHARE * (innovation ** 2 / own).sum()):
             return False
         self._peak = max(self._peak, unexplained)
         self._calm = OVER - STANDING_HOLD
